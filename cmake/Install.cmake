@@ -1,0 +1,2 @@
+get_property(modules GLOBAL PROPERTY ATROPOS_MODULES)
+install(TARGETS ${modules} EXPORT atroposTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
