@@ -1,0 +1,12 @@
+# Debian's single OpenCV modules come without a CMake package: one imported target for each.
+foreach(module core imgproc imgcodecs)
+  if(NOT TARGET atropos::opencv_${module})
+    find_path(ATROPOS_OPENCV_INCLUDE opencv2/core.hpp PATH_SUFFIXES opencv4)
+    find_library(ATROPOS_OPENCV_${module} opencv_${module})
+    if(ATROPOS_OPENCV_INCLUDE AND ATROPOS_OPENCV_${module})
+      add_library(atropos::opencv_${module} UNKNOWN IMPORTED)
+      set_target_properties(atropos::opencv_${module} PROPERTIES IMPORTED_LOCATION ${ATROPOS_OPENCV_${module}})
+      target_include_directories(atropos::opencv_${module} SYSTEM INTERFACE ${ATROPOS_OPENCV_INCLUDE})
+    endif()
+  endif()
+endforeach()

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace atropos::experiments {
+
+/// Options that most commands share.
+struct CommonOptions {
+    std::optional<std::uint64_t> seed;
+    std::vector<std::string> overrides;  ///< --set key.path=value
+    int threads = 1;
+    bool quiet = false;
+    bool force = false;
+
+    /// The overrides with --seed appended as one of them.
+    std::vector<std::string> all_overrides() const;
+};
+
+/// A command ends with an exit status; it throws scenes::FileError on bad input.
+using Command = std::function<int()>;
+
+/// Adds --seed, --set, --threads, --quiet, --force.
+void add_common_options(CLI::App& app, CommonOptions& common);
+
+void add_info_command(CLI::App& program, Command& chosen);
+
+}  // namespace atropos::experiments

@@ -1,0 +1,96 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "experiments/commands.hpp"
+#include "experiments/exit_status.hpp"
+#include "scenes/calibration_file.hpp"
+#include "scenes/file_error.hpp"
+#include "scenes/scene_file.hpp"
+#include "scenes/text_file.hpp"
+
+namespace atropos::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+struct InfoOptions {
+    std::string path;
+    bool cameras = false;
+    bool scene_keys = false;
+    std::vector<std::string> overrides;
+};
+
+void print_rig(const scenes::StereoRig& rig, double distance_m) {
+    fmt::print("image              {} x {} px\n", rig.left.width_px, rig.left.height_px);
+    fmt::print("focal length       {:.2f} px left, {:.2f} px right\n", rig.left.fx_px, rig.right.fx_px);
+    fmt::print("baseline           {:.3f} mm\n", 1e3 * rig.baseline_m());
+    fmt::print("distortion         {}\n",
+               rig.left.is_distorted() || rig.right.is_distorted() ? "yes" : "none");
+    fmt::print("at {:5.1f} mm        {:.3f} mm per px across, {:.2f} mm per px of disparity\n",
+               1e3 * distance_m, 1e3 * rig.m_per_px(distance_m), 1e3 * rig.m_per_disparity_px(distance_m));
+}
+
+int list_cameras() {
+    for (const scenes::RigPreset& preset : scenes::rig_presets()) {
+        fmt::print("{}: {}\n", preset.name, preset.source);
+        print_rig(preset.rig, preset.working_distance_m);
+        fmt::print("\n");
+    }
+    return kDone;
+}
+
+int describe_scene(const fs::path& path, const std::vector<std::string>& overrides) {
+    const scenes::SceneConfig scene = scenes::load_scene(path, overrides);
+    const scenes::StereoRig rig = scenes::scene_rig(scene.camera);
+    const double distance_m = scene.camera.working_distance_m > 0.0 ? scene.camera.working_distance_m
+                              : scene.camera.calibration.empty()
+                                  ? scenes::rig_preset(scene.camera.preset).working_distance_m
+                                  : 0.1;
+    fmt::print("scene              {} (seed {}, {} s at {} frames a second)\n", scene.name, scene.seed,
+               scene.duration_s, scene.camera.fps_hz);
+    print_rig(rig, distance_m);
+    fmt::print("\nresolved:\n{}", scenes::to_yaml(scene));
+    return kDone;
+}
+
+bool looks_like_calibration(const fs::path& path) {
+    if (fs::is_directory(path)) return fs::exists(path / "stereo.yaml") || fs::exists(path / "left.yaml");
+    if (path.extension() == ".ini") return true;
+    return scenes::read_text_file(path, 4 << 20).starts_with("%YAML:1.0");
+}
+
+int info(const InfoOptions& options) {
+    if (options.cameras) return list_cameras();
+    if (options.scene_keys) {
+        fmt::print("{}", scenes::scene_reference_markdown());
+        return kDone;
+    }
+    const fs::path path = options.path;
+    if (path.empty()) throw scenes::FileError("info", "no PATH, expected a file or folder to describe");
+    if (!fs::exists(path)) throw scenes::FileError(options.path, "no such file or folder");
+    if (looks_like_calibration(path)) {
+        print_rig(scenes::load_calibration(path), 0.1);
+        return kDone;
+    }
+    if (fs::is_directory(path))
+        throw scenes::FileError(options.path,
+                                "nothing known in this folder, expected a scene or a calibration");
+    return describe_scene(path, options.overrides);
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& program, Command& chosen) {
+    CLI::App* app = program.add_subcommand("info", "checks and describes a scene or a calibration");
+    const auto options = std::make_shared<InfoOptions>();
+    app->add_option("PATH", options->path, "scene file, calibration file or folder");
+    app->add_flag("--cameras", options->cameras, "list the camera presets with their sources");
+    app->add_flag("--scene-keys", options->scene_keys, "print the reference of scene files (docs/scene.md)");
+    app->add_option("--set", options->overrides, "override a scene key: key.path=value")
+        ->expected(1)
+        ->take_all();
+    app->footer("Example: atropos info scenes/auto_scissors.yaml --set camera.preset=hd");
+    app->callback([&chosen, options] { chosen = [options] { return info(*options); }; });
+}
+
+}  // namespace atropos::experiments

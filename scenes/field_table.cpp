@@ -1,0 +1,115 @@
+#include "scenes/field_table.hpp"
+
+#include <numbers>
+#include <utility>
+
+#include "scenes/scene_config.hpp"
+
+namespace atropos::scenes {
+
+double unit_of_key(std::string_view key) {
+    static constexpr std::pair<std::string_view, double> kUnits[] = {
+        {"_mm_s", 1e-3}, {"_mm", 1e-3}, {"_ms", 1e-3}, {"_deg", std::numbers::pi / 180.0}, {"_percent", 1e-2},
+    };
+    for (const auto& [ending, factor] : kUnits)
+        if (key.ends_with(ending)) return factor;
+    return 1.0;
+}
+
+namespace {
+
+void visit_camera(FieldVisitor& v, CameraConfig& c) {
+    v.text({"preset", "a rig by name; `atropos info --cameras` lists them with their sources"}, c.preset, {});
+    v.path({"calibration", "stereo calibration file (OpenCV or ROS YAML, dVRK .ini) in place of the preset"},
+           c.calibration);
+    v.integer({"width_px", "image width; 0: as calibrated, otherwise the rig is scaled"}, c.width_px, 0,
+              8192);
+    v.integer({"height_px", "image height; 0: follows from the width"}, c.height_px, 0, 8192);
+    v.number({"fps_hz", "frames a second"}, c.fps_hz, {1.0, 1000.0});
+    v.number({"working_distance_mm", "lens to target; 0: the preset's"}, c.working_distance_m, {0.0, 500.0});
+    v.section({"hand_eye", "the left lens in the endoscope arm's tip frame"}, [&] {
+        v.vector({"position_mm", "x, y, z"}, c.hand_eye_position_m, {-100.0, 100.0});
+        v.vector({"rotation_deg", "rotation vector"}, c.hand_eye_rotation_rad, {-180.0, 180.0});
+    });
+}
+
+void visit_thread(FieldVisitor& v, ThreadConfig& c) {
+    v.number({"length_mm", "length between the two grips"}, c.length_m, {10.0, 500.0});
+    v.number({"diameter_mm", "diameter; USP 3-0 is 0.20-0.25"}, c.diameter_m, {0.05, 1.0});
+    v.text({"material", "a material by name"}, c.material, {"silk", "polypropylene", "polyglactin", "nylon"});
+    v.number({"density_kg_m3", "density; -1: the material's"}, c.density_kg_m3, {-1.0, 10000.0});
+    v.number({"EA_N", "axial stiffness; -1: the material's"}, c.EA_N, {-1.0, 1e5});
+    v.number({"EI_N_m2", "bending stiffness; -1: the material's"}, c.EI_N_m2, {-1.0, 1e-3});
+    v.number({"GJ_N_m2", "twist stiffness; -1: the material's"}, c.GJ_N_m2, {-1.0, 1e-3});
+    v.number({"friction", "Coulomb coefficient; -1: the material's"}, c.friction, {-1.0, 2.0});
+    v.choice({"model", "the discrete elastic rod, or Bullet's soft rope for comparison"}, c.model,
+             {"rod", "bullet_soft"});
+    v.integer({"edges", "edges of the rod; 140 where a knot is tied"}, c.edges, 10, 1000);
+    v.text({"colour", "colour of the thread"}, c.colour, {"violet", "black", "blue", "undyed", "red"});
+    v.flag({"braided", "braided look (a twist pattern) or a monofilament's sheen"}, c.braided);
+    v.number({"twist_deg", "turn of one grip against the other at the start"}, c.twist_rad,
+             {-3600.0, 3600.0});
+}
+
+void visit_arm(FieldVisitor& v, std::string_view name, ArmConfig& c) {
+    v.section({name, "an arm"}, [&] {
+        v.text({"tool", "instrument"}, c.tool,
+               {"large_needle_driver", "mega_needle_driver", "prograsp", "curved_scissors",
+                "round_tip_scissors"});
+        v.text({"motion", "what moves the arm"}, c.motion,
+               {"hold", "manipulate", "grasp_middle", "pull_knot", "park", "scissors", "replay"});
+        v.text({"holds", "what its jaws hold at the start"}, c.holds, {"start", "end", "nothing"});
+        v.path({"recording", "joint recording for motion: replay"}, c.recording);
+    });
+}
+
+void visit_arms(FieldVisitor& v, ArmsConfig& c) {
+    v.choice({"accuracy", "how far measured poses are from true ones"}, c.accuracy,
+             {"perfect", "calibrated", "uncalibrated", "as_recorded"});
+    v.text({"layout", "where the arms' remote centres are"}, c.layout, {"default", "lab_rig"});
+    visit_arm(v, "PSM1", c.psm1);
+    visit_arm(v, "PSM2", c.psm2);
+    visit_arm(v, "PSM3", c.psm3);
+    v.number({"speed_mm_s", "wanted mean speed of the thread's middle under motion: manipulate"}, c.speed_m_s,
+             {0.0, 200.0});
+    v.number({"amplitude_mm", "reach of motion: manipulate"}, c.amplitude_m, {0.0, 50.0});
+    v.number({"time_scale", "above 1 the arms truly move that much faster"}, c.time_scale, {0.01, 20.0});
+}
+
+void visit_cut(FieldVisitor& v, CutConfig& c) {
+    v.number({"at_s", "time of the command"}, c.at_s, {0.0, 3600.0});
+    v.number({"fraction", "where to cut, as a share of the span between the grips"}, c.fraction,
+             {0.05, 0.95});
+    v.number({"tolerance_mm", "largest error along the thread that counts as cut"}, c.tolerance_m,
+             {0.1, 20.0});
+    v.integer({"max_attempts", "approaches before the command aborts"}, c.max_attempts, 1, 20);
+}
+
+}  // namespace
+
+void visit_fields(FieldVisitor& v, SceneConfig& c) {
+    v.text({"name", "a name for tables and reports"}, c.name, {});
+    v.seed({"seed", "every random stream derives from it"}, c.seed);
+    v.number({"duration_s", "simulated time"}, c.duration_s, positive(3600.0));
+    v.section({"camera", "the stereo endoscope"}, [&] { visit_camera(v, c.camera); });
+    v.section({"thread", "the suture"}, [&] { visit_thread(v, c.thread); });
+    v.section({"arms", "the three instrument arms"}, [&] { visit_arms(v, c.arms); });
+    v.section({"tissue", "what lies below"}, [&] {
+        v.text({"preset", "kind of background"}, c.tissue.preset, {"organ", "pad", "drape", "none"});
+        v.number({"depth_mm", "mean level below the target"}, c.tissue.depth_m, {0.0, 200.0});
+    });
+    v.section({"render", "how pictures are drawn"}, [&] {
+        v.choice({"preset", "fast: no scene anti-aliasing; quality: 2x2 supersampling"}, c.render.preset,
+                 {"fast", "quality"});
+        v.flag({"shadows", "cast shadows"}, c.render.shadows);
+        v.text({"back_end", "off-screen back end; the bytes are the same"}, c.render.back_end,
+               {"osmesa", "egl"});
+    });
+    v.section({"sensor", "the camera chips"}, [&] {
+        v.choice({"preset", "ideal: no noise, no vignetting; realistic: the full chain"}, c.sensor.preset,
+                 {"ideal", "realistic"});
+    });
+    v.section({"cut", "what the scissors are asked to do"}, [&] { visit_cut(v, c.cut); });
+}
+
+}  // namespace atropos::scenes
