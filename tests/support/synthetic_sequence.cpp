@@ -1,0 +1,205 @@
+#include "tests/support/synthetic_sequence.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scenes/random_stream.hpp"
+#include "tracker/nurbs_curve.hpp"
+
+namespace atropos::support {
+namespace {
+
+constexpr int kFilmSize = 1 << 21;  // noise values, read from another place in every frame
+
+/// Point and width of a drawn line in an image, px.
+struct Stroke {
+    Eigen::Vector2d p;
+    double half_width;
+    double level;
+};
+
+/// Draws thick strokes over `image`: each pixel takes the nearest stroke's level by its soft coverage.
+void draw_strokes(cv::Mat1f& image, const std::vector<Stroke>& strokes, double blur_px, bool relative) {
+    cv::Mat1f coverage(image.size(), 0.0f);
+    cv::Mat1f level(image.size(), 0.0f);
+    const double k = 1.0 / (std::numbers::sqrt2 * blur_px);
+    for (std::size_t i = 0; i + 1 < strokes.size(); ++i) {
+        const Stroke& a = strokes[i];
+        const Stroke& b = strokes[i + 1];
+        const Eigen::Vector2d d = b.p - a.p;
+        const double reach = std::max(a.half_width, b.half_width) + 3.5 * blur_px;
+        const int u0 = std::max(0, static_cast<int>(std::floor(std::min(a.p.x(), b.p.x()) - reach)));
+        const int u1 =
+            std::min(image.cols - 1, static_cast<int>(std::ceil(std::max(a.p.x(), b.p.x()) + reach)));
+        const int v0 = std::max(0, static_cast<int>(std::floor(std::min(a.p.y(), b.p.y()) - reach)));
+        const int v1 =
+            std::min(image.rows - 1, static_cast<int>(std::ceil(std::max(a.p.y(), b.p.y()) + reach)));
+        for (int v = v0; v <= v1; ++v)
+            for (int u = u0; u <= u1; ++u) {
+                const Eigen::Vector2d p(u, v);
+                const double t = std::clamp((p - a.p).dot(d) / std::max(d.squaredNorm(), 1e-12), 0.0, 1.0);
+                const double distance = (p - a.p - t * d).norm();
+                const double half = a.half_width + t * (b.half_width - a.half_width);
+                const double share =
+                    0.5 * (std::erf((half - distance) * k) + std::erf((half + distance) * k));
+                if (share > coverage(v, u)) {
+                    coverage(v, u) = static_cast<float>(share);
+                    level(v, u) = static_cast<float>(a.level + t * (b.level - a.level));
+                }
+            }
+    }
+    for (int v = 0; v < image.rows; ++v)
+        for (int u = 0; u < image.cols; ++u)
+            if (coverage(v, u) > 0.0f)
+                image(v, u) += coverage(v, u) * (relative ? level(v, u) : level(v, u) - image(v, u));
+}
+
+}  // namespace
+
+SyntheticSequence::SyntheticSequence(const SyntheticSequenceOptions& options) : options_(options) {
+    scenes::RandomStream random(options.seed, "synthetic sequence");
+    const double px_m = options.depth_m / options.rig.left.fx_px;
+    InextensibleCurveOptions curve;
+    curve.seed = options.seed;
+    curve.length_m = options.length_m;
+    curve.centre_C = {0.5 * options.rig.X_RC.inverse().translation().x(), 0.0, options.depth_m};
+    curve.heading_rad = random.uniform(0.45, 1.0) * (random.uniform() < 0.5 ? 1.0 : -1.0);
+    curve.turning_rad = random.uniform(1.2, 2.2) * (random.uniform() < 0.5 ? 1.0 : -1.0);
+    curve.depth_tilt_rad = random.uniform(-0.25, 0.25);
+    curve.arc_tilt_rad = random.uniform(-0.5, 0.5);
+    if (options.heading_rad) curve.heading_rad = *options.heading_rad;
+    if (options.arc_tilt_rad) curve.arc_tilt_rad = *options.arc_tilt_rad;
+    curve.speed_m_per_frame = 0.45 * px_m * options.motion_scale;
+    curve_ = std::make_unique<InextensibleCurve>(curve);
+
+    BackgroundOptions wall;
+    wall.seed = options.seed;
+    wall.depth_m = options.depth_m + 0.3 * options.length_m;
+    wall.clutter = options.clutter;
+    wall.feature_m = options.length_m;
+    wall.vessel_width_m = options.width_m * wall.depth_m / options.depth_m;
+    wall.mean_level = options.dark ? 150.0 : 90.0;
+    std::tie(background_[0], background_[1]) = paint_background(options.rig, wall);
+
+    scenes::RandomStream film(options.seed, "sensor noise");
+    noise_.resize(kFilmSize);
+    for (float& value : noise_) value = static_cast<float>(film.normal(0.0, options.noise_levels));
+    for (Eigen::Vector3d& error : tip_error_)
+        error = options.tip_error_m * random.uniform(0.33, 1.0) *
+                Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+}
+
+SyntheticSequence::~SyntheticSequence() = default;
+
+scenes::Polyline SyntheticSequence::truth(int index) const {
+    const int original = index * options_.acceleration;
+    scenes::Polyline line = curve_->at(original);
+    if (options_.protocol == Protocol::kS) return line;
+    // Jitter of a tracked template: small in every frame, large in some (Table I: 8 px at acceleration 1).
+    tracker::NurbsCurve spline = tracker::fit_curve(line, {.control_points = 8, .length_weight = 0.3});
+    std::vector<Eigen::Vector3d> points = spline.control_points();
+    scenes::RandomStream random(scenes::derive_seed(options_.seed, static_cast<std::uint64_t>(original)),
+                                "jitter");
+    const double px_m = options_.depth_m / options_.rig.left.fx_px;
+    for (Eigen::Vector3d& q : points)
+        q += 0.42 * px_m * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    const bool leap = original % 60 == 30 || original % 60 == 0;
+    if (leap && random.uniform() < 0.25) {
+        const std::size_t k = 1 + random.integer(6);
+        const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
+        points[k] +=
+            random.uniform(10.5, 12.5) * px_m * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.0);
+    }
+    spline.set_control_points(points);
+    return tracker::sampled(spline, 401);
+}
+
+std::vector<scenes::Capsule> SyntheticSequence::shafts(const scenes::Polyline& thread, int index) const {
+    std::vector<scenes::Capsule> shafts;
+    if (options_.instruments)
+        for (int end = 0; end < 2; ++end) {
+            const double L = thread.length_m();
+            const Eigen::Vector3d tip = thread.point_at(end == 0 ? 0.0 : L);
+            const Eigen::Vector3d inner =
+                thread.point_at(end == 0 ? options_.hidden_end_m : L - options_.hidden_end_m);
+            const Eigen::Vector3d centre = thread.point_at(0.5 * L);
+            Eigen::Vector3d away = tip - centre;
+            away.z() = -0.3 * away.norm();  // towards the camera, as shafts come
+            away.normalize();
+            shafts.push_back({inner - 0.0005 * Eigen::Vector3d::UnitZ(), inner + 0.15 * away, 0.0016});
+        }
+    const int since = index - options_.occlusion_begin;
+    if (options_.occlusion_begin >= 0 && since >= 0 && since < options_.occlusion_frames) {
+        const double L = thread.length_m();
+        const Eigen::Vector3d hidden = thread.point_at(0.5 * L);
+        const Eigen::Vector3d along = (thread.point_at(0.6 * L) - thread.point_at(0.4 * L)).normalized();
+        Eigen::Vector3d across = along.cross(Eigen::Vector3d::UnitZ()).normalized();
+        across.z() = -0.3;
+        across.normalize();
+        const Eigen::Vector3d before = hidden - 0.1 * options_.depth_m * Eigen::Vector3d::UnitZ();
+        shafts.push_back({before - 0.01 * across, before + 0.1 * across, 0.45 * options_.occluded_share * L});
+    }
+    return shafts;
+}
+
+cv::Mat1b SyntheticSequence::draw(int eye, int index, const scenes::Polyline& thread,
+                                  const std::vector<scenes::Capsule>& shafts) const {
+    const scenes::Camera& camera = eye == 0 ? options_.rig.left : options_.rig.right;
+    const Eigen::Isometry3d X_EC = eye == 0 ? Eigen::Isometry3d::Identity() : options_.rig.X_RC;
+    cv::Mat1f image = background_[static_cast<std::size_t>(eye)].clone();
+
+    std::vector<Stroke> strokes;
+    const std::vector<double> s = thread.arc_lengths_m();
+    for (std::size_t i = 0; i < thread.points.size(); i += 2) {
+        const Eigen::Vector3d p = X_EC * thread.points[i];
+        if (p.z() < 0.01) continue;
+        const double wobble = 1.0 + 0.2 * std::sin(900.0 * s[i] + static_cast<double>(options_.seed));
+        strokes.push_back({camera.project(p), 0.5 * options_.width_m * camera.fx_px / p.z(),
+                           (options_.dark ? -1.0 : 1.0) * options_.contrast * wobble});
+    }
+    draw_strokes(image, strokes, options_.blur_px, true);
+
+    for (const scenes::Capsule& shaft : shafts) {
+        std::vector<Stroke> body;
+        std::vector<Stroke> streak;
+        for (int i = 0; i <= 60; ++i) {
+            const Eigen::Vector3d p = X_EC * (shaft.a + i / 60.0 * (shaft.b - shaft.a));
+            if (p.z() < 0.02) break;
+            const double half = shaft.radius_m * camera.fx_px / p.z();
+            body.push_back({camera.project(p), half, 70.0});
+            streak.push_back({camera.project(p) - Eigen::Vector2d(0.0, 0.35 * half), 0.2 * half, 200.0});
+        }
+        draw_strokes(image, body, options_.blur_px, false);
+        draw_strokes(image, streak, 1.5 * options_.blur_px, false);
+    }
+
+    scenes::RandomStream random(
+        scenes::derive_seed(options_.seed,
+                            static_cast<std::uint64_t>(2 * index * options_.acceleration + eye)),
+        "film");
+    std::uint64_t cursor = random.integer(kFilmSize);
+    cv::Mat1b out(image.size());
+    for (int v = 0; v < image.rows; ++v)
+        for (int u = 0; u < image.cols; ++u) {
+            const float value = image(v, u) + noise_[cursor];
+            cursor = (cursor + 1) & (kFilmSize - 1);
+            out(v, u) = static_cast<unsigned char>(std::clamp(std::lround(value), 0L, 255L));
+        }
+    return out;
+}
+
+SyntheticFrame SyntheticSequence::frame(int index) const {
+    SyntheticFrame frame;
+    frame.time_s = index * options_.acceleration / 30.0;
+    frame.truth_C = truth(index);
+    frame.instruments_C = shafts(frame.truth_C, index);
+    frame.tips_C = {frame.truth_C.points.front() + tip_error_[0],
+                    frame.truth_C.points.back() + tip_error_[1]};
+    frame.left = draw(0, index, frame.truth_C, frame.instruments_C);
+    frame.right = draw(1, index, frame.truth_C, frame.instruments_C);
+    return frame;
+}
+
+}  // namespace atropos::support
