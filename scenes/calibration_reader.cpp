@@ -121,7 +121,7 @@ StereoRig parse_opencv_calibration(const std::string& name, const std::string& t
     rig.X_RC.linear() = rotation(name, "R", matrix(document, "R", 3, 3));
     const Eigen::MatrixXd T = matrix(document, "T", 0, 0);
     if (T.size() != 3) throw FileError(name, "T has " + std::to_string(T.size()) + " numbers, expected 3");
-    rig.X_RC.translation() = Eigen::Vector3d(T(0), T(1), T(2)) * 1e-3;
+    rig.X_RC.translation() = Eigen::Vector3d(T(0), T(1), T(2)) / 1e3;
     check_rig(name, rig);
     return rig;
 }
@@ -206,7 +206,7 @@ StereoRig parse_ini_calibration(const std::string& name, const std::string& text
     Eigen::Matrix3d R;
     for (int i = 0; i < 9; ++i) R(i / 3, i % 3) = get("StereoRight.R_" + std::to_string(i));
     rig.X_RC.linear() = rotation(name, "R", R);
-    for (int i = 0; i < 3; ++i) rig.X_RC.translation()[i] = 1e-3 * get("StereoRight.T_" + std::to_string(i));
+    for (int i = 0; i < 3; ++i) rig.X_RC.translation()[i] = get("StereoRight.T_" + std::to_string(i)) / 1e3;
     check_rig(name, rig);
     return rig;
 }

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "scenes/tracker_config.hpp"
+
 namespace atropos::scenes {
 
 /// The endoscope's cameras: a preset or a calibration file, and the frame rate.
@@ -77,6 +79,16 @@ struct SensorConfig {
     SensorPreset preset = SensorPreset::kRealistic;
 };
 
+enum class TipSource { kMeasured, kExact, kNone };
+
+/// The tracker in the loop: what it is, how often it runs, what it is told.
+struct TrackingConfig {
+    TrackerConfig tracker;
+    double rate_hz = 0.0;     ///< frames it takes in a second; 0: every frame
+    double latency_s = 0.01;  ///< simulated, capture to estimate
+    TipSource tips = TipSource::kMeasured;
+};
+
 /// What the scissors are asked to do.
 struct CutConfig {
     double at_s = 3.0;
@@ -97,6 +109,7 @@ struct SceneConfig {
     RenderConfig render;
     SensorConfig sensor;
 
+    TrackingConfig tracking;
     CutConfig cut;
 };
 

@@ -132,7 +132,7 @@ class Reader final : public FieldVisitor {
         const auto value = node.IsScalar() ? parse_number(node.Scalar()) : std::nullopt;
         if (!value || *value < range.low || *value > range.high || (range.without_low && *value == range.low))
             wrong(node, key, describe(range));
-        return *value * unit_of_key(key);
+        return in_si(*value, unit_of_key(key));
     }
 
     [[noreturn]] void wrong(const YAML::Node& node, std::string_view key, const std::string& expected) const {

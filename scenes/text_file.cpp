@@ -80,11 +80,15 @@ std::optional<long long> parse_integer(std::string_view text) {
     return value;
 }
 
+double in_si(double value, double unit) {
+    return unit == 1e-3 ? value / 1e3 : value * unit;
+}
+
 std::string decimal(double value, double unit) {
     std::string text;
     for (int digits = 6; digits <= 17; ++digits) {
         text = fmt::format("{:.{}g}", value / unit, digits);
-        if (*parse_number(text) * unit == value) break;
+        if (in_si(*parse_number(text), unit) == value) break;
     }
     return text;
 }

@@ -17,7 +17,11 @@ std::optional<double> parse_number(std::string_view text);
 /// A whole number, the whole of `text`; nullopt otherwise or when it does not fit.
 std::optional<long long> parse_integer(std::string_view text);
 
-/// The shortest decimal d for which parse_number(d) * unit is exactly `value` (where one exists).
+/// `value` times `unit`; thousandths by division, which rounds to what a person would write (5.1 mm is 0.0051
+/// m).
+double in_si(double value, double unit);
+
+/// The shortest decimal d for which in_si(parse_number(d), unit) is exactly `value` (where one exists).
 std::string decimal(double value, double unit = 1.0);
 
 /// `text` shortened and made printable for an error line.
