@@ -143,64 +143,6 @@ void visit_tracker(FieldVisitor& v, TrackingConfig& c) {
     });
 }
 
-void visit_tracker(FieldVisitor& v, TrackingConfig& c) {
-    TrackerConfig& t = c.tracker;
-    v.choice({"method", "the paper's first or second approximation, or the continuous refinement"}, t.method,
-             {"e1", "e2", "refined"});
-    v.number({"rate_hz", "frames taken in a second; 0: every frame"}, c.rate_hz, {0.0, 1000.0});
-    v.number({"latency_ms", "simulated time from capture to estimate"}, c.latency_s, {0.0, 5000.0});
-    v.choice({"tips", "ends it is told: measured by the arms, exact (the paper's Table I), or none"}, c.tips,
-             {"measured", "exact", "none"});
-    v.choice({"optimiser", "exact dynamic programming, or iterated conditional modes"}, t.optimiser,
-             {"dp", "icm"});
-    v.choice({"parameterisation", "3K unknowns in space, or 4K in the images"}, t.parameterisation,
-             {"3d", "2d"});
-    v.integer({"K", "control points of e1 and e2"}, t.curve.control_points, 4, 64);
-    v.integer({"degree", "of the curve"}, t.curve.degree, 2, 7);
-    v.integer({"samples", "points along the curve at which the integrals are summed"}, t.curve.samples, 8,
-              1000);
-    v.section({"thread", "what the tracker knows of the thread"}, [&] {
-        v.number({"length_mm", "span between the ends; 0: unknown"}, t.thread.length_m, {0.0, 500.0});
-        v.flag({"length_is_known", "C'_ref of eq. 7 from length_mm instead of the initial curve"},
-               t.thread.length_is_known);
-        v.number({"width_mm", "diameter; sets the detector's scale"}, t.thread.width_m, {0.02, 5.0});
-        v.choice({"polarity", "thread against what lies behind it"}, t.thread.polarity,
-                 {"dark", "bright", "either"});
-        v.choice({"channel", "of colour images"}, t.thread.channel, {"gray", "red", "green", "blue"});
-    });
-    v.section({"cost_image", "ridge detector and distance transform (II-E)"}, [&] {
-        v.integer({"scales", "standard deviations of the Hessian"}, t.cost_image.scales, 1, 8);
-        v.number({"scale_step", "ratio between them"}, t.cost_image.scale_step, {1.05, 4.0});
-        v.number({"blobness", "Frangi's beta"}, t.cost_image.blobness, positive(10.0));
-        v.number({"contrast_levels", "Frangi's c, grey levels"}, t.cost_image.contrast_levels,
-                 positive(255.0));
-        v.number({"threshold", "of the measure"}, t.cost_image.threshold, {0.0, 1.0});
-        v.number({"truncation_px", "of the distance transform, at 640 wide"}, t.cost_image.truncation_px,
-                 {1.0, 100.0});
-        v.flag({"region_of_interest", "only around the last curve; the same bytes inside it"},
-               t.cost_image.region_of_interest);
-    });
-    v.section({"labels", "the label set L(r, s) (II-D3)"}, [&] {
-        v.integer({"r", "labels on each side of each direction; 14 r + 1 in all"}, t.labels.r, 1, 8);
-        v.choice({"preset", "spacing by the paper's reach in the image, or s_mm"}, t.labels.preset,
-                 {"custom", "paper-table1", "paper-scissors"});
-        v.number({"s_mm", "spacing in the first step"}, t.labels.s_m, {0.001, 50.0});
-        v.choice({"shape", "the paper's cube, or along the viewing rays"}, t.labels.shape, {"cube", "rays"});
-        v.number({"depth_factor", "rays only: spacing along the ray over spacing across"},
-                 t.labels.depth_factor, {0.1, 50.0});
-        v.integer({"steps", "optimisation steps a frame, with s, s/2, ..."}, t.labels.steps, 1, 6);
-    });
-    v.number({"lambda1_e1", "length, eq. 10"}, t.lambda1_e1, {0.0, 1e6});
-    v.number({"lambda2_e1_per_m", "label difference, eq. 10"}, t.lambda2_e1_per_m, {0.0, 1e6});
-    v.number({"lambda1_e2", "length, eq. 15"}, t.lambda1_e2, {0.0, 1e6});
-    v.number({"lambda_stereo", "2D parameterisation: squared epipolar distance"}, t.lambda_stereo,
-             {0.0, 1e6});
-    v.section({"end", "the soft ends of eq. 19"}, [&] {
-        v.number({"epsilon_mm", "free distance"}, t.tips.epsilon_m, {0.0, 50.0});
-        v.number({"weight_per_m", "px at 640 wide, per m"}, t.tips.weight_per_m, {0.0, 1e7});
-    });
-}
-
 }  // namespace
 
 void visit_fields(FieldVisitor& v, SceneConfig& c) {
@@ -225,7 +167,6 @@ void visit_fields(FieldVisitor& v, SceneConfig& c) {
         v.choice({"preset", "ideal: no noise, no vignetting; realistic: the full chain"}, c.sensor.preset,
                  {"ideal", "realistic"});
     });
-    v.section({"tracker", "the thread tracker"}, [&] { visit_tracker(v, c.tracking); });
     v.section({"tracker", "the thread tracker"}, [&] { visit_tracker(v, c.tracking); });
     v.section({"cut", "what the scissors are asked to do"}, [&] { visit_cut(v, c.cut); });
 }

@@ -89,16 +89,6 @@ struct TrackingConfig {
     TipSource tips = TipSource::kMeasured;
 };
 
-enum class TipSource { kMeasured, kExact, kNone };
-
-/// The tracker in the loop: what it is, how often it runs, what it is told.
-struct TrackingConfig {
-    TrackerConfig tracker;
-    double rate_hz = 0.0;     ///< frames it takes in a second; 0: every frame
-    double latency_s = 0.01;  ///< simulated, capture to estimate
-    TipSource tips = TipSource::kMeasured;
-};
-
 /// What the scissors are asked to do.
 struct CutConfig {
     double at_s = 3.0;
@@ -119,7 +109,6 @@ struct SceneConfig {
     RenderConfig render;
     SensorConfig sensor;
 
-    TrackingConfig tracking;
     TrackingConfig tracking;
     CutConfig cut;
 };
