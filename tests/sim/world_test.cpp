@@ -1,0 +1,66 @@
+#include "sim/world.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/sim/world_support.hpp"
+
+namespace atropos::sim {
+namespace {
+
+using Eigen::Vector3d;
+using testing::HeldThread;
+
+TEST(World, holds_a_thread_at_rest_between_two_jaws) {
+    HeldThread held;
+    const ThreadTruth before = held.world.thread();
+    for (int i = 0; i < 200; ++i) held.world.step();
+    const ThreadTruth after = held.world.thread();
+    ASSERT_EQ(after.strands.size(), 1u);
+    double moved = 0.0;
+    for (size_t i = 0; i < after.strands[0].p_W.size(); ++i)
+        moved = std::max(moved, (after.strands[0].p_W[i] - before.strands[0].p_W[i]).norm());
+    EXPECT_LT(moved, 1e-6);
+    EXPECT_LT(after.sample(0, 0.035).z(), -0.01);
+    EXPECT_NEAR(after.span.middle_s_m(), 0.035, 1e-12);
+    const double weight = 1350 * M_PI * 0.125e-3 * 0.125e-3 * 0.07 * 9.81;
+    EXPECT_NEAR((held.world.grip_force_W_N(0) + held.world.grip_force_W_N(1)).z(), -weight, 1e-3 * weight);
+}
+
+TEST(World, carries_the_thread_with_its_jaws) {
+    HeldThread held;
+    for (int i = 0; i < 500; ++i) {
+        for (int k = 0; k < 2; ++k) {
+            held.X_WG[k].translation() += Vector3d(0, 1e-4, 0);
+            held.world.set_jaws(k, held.X_WG[k], 0.0);
+        }
+        held.world.step();
+    }
+    const ThreadTruth truth = held.world.thread();
+    EXPECT_NEAR(truth.sample(0, truth.span.s0_m).y(), 0.05, 1e-6);
+}
+
+TEST(World, cuts_the_thread_where_the_blades_meet_it) {
+    HeldThread held;
+    const Vector3d middle = held.world.thread().sample(0, 0.0301);
+    const Eigen::Isometry3d X_WS = HeldThread::frame(middle);
+    for (int i = 0; i <= 60; ++i) {
+        held.world.set_blades(2, X_WS, 0.6 * (1.0 - i / 60.0));
+        held.world.step();
+    }
+    const auto& events = held.world.events();
+    ASSERT_EQ(
+        std::count_if(events.begin(), events.end(), [](const Event& e) { return e.kind == EventKind::kCut; }),
+        1);
+    EXPECT_EQ(held.world.thread().strands.size(), 2u);
+    EXPECT_NEAR(events.back().s_m, 0.0301, 2e-4);
+    for (int i = 0; i < 300; ++i) held.world.step();
+    const ThreadTruth truth = held.world.thread();
+    EXPECT_LT(truth.strands[0].p_W.back().z(), -0.003);
+    EXPECT_GT((truth.strands[0].p_W.back() - truth.strands[1].p_W.front()).norm(), 0.004);
+    EXPECT_FALSE(truth.span.intact);
+}
+
+}  // namespace
+}  // namespace atropos::sim
