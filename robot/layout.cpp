@@ -39,7 +39,7 @@ Layout default_layout(double working_distance_m) {
     layout.arms = {
         {"PSM1", aimed_base({-0.1, 0.0, distance * std::sqrt(0.75)}, target, y), "LARGE_NEEDLE_DRIVER"},
         {"PSM2", aimed_base({0.1, 0.0, distance * std::sqrt(0.75)}, target, y), "LARGE_NEEDLE_DRIVER"},
-        {"PSM3", aimed_base({0.0, -diagonal, diagonal}, target, y), "CURVED_SCISSORS"}};
+        {"PSM3", aimed_base({0.0, -diagonal, diagonal}, target, y), "ROUND_TIP_SCISSORS"}};
     layout.X_WEcm = aimed_base({0.0, diagonal, diagonal}, target, y);
     const auto ecm = Ecm().inverse(Vector3d(0.0, 0.0, working_distance_m - distance));
     if (!ecm) throw std::invalid_argument("default_layout: working distance out of reach: " + reason(ecm));
