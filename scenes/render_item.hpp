@@ -26,9 +26,12 @@ struct Material {
     Eigen::Vector3f base_colour = Eigen::Vector3f::Constant(0.5f);
     float metallic = 0.0f;
     float roughness = 0.5f;
-    float specular_f0 = 0.04f;   ///< reflectance at normal incidence of the dielectric part
-    std::string colour_texture;  ///< file, or empty; multiplied with `base_colour`
-    std::string normal_texture;  ///< tangent-space normal map, or empty
+    float specular_f0 = 0.04f;  ///< reflectance at normal incidence of the dielectric part
+    float wetness = 0.0f;  ///< strength in [0, 1] of a thin film of fluid, and of light scattered below it
+    std::string
+        colour_texture;  ///< file or a renderer's registered name, or empty; multiplied with `base_colour`
+    std::string
+        normal_texture;  ///< tangent-space normal map likewise, alpha multiplies `roughness`; or empty
 };
 
 /// One thing to draw. Meshes are shared between the renderer and the physics, and never change.

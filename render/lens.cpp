@@ -1,0 +1,121 @@
+#include "render/lens.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#ifdef __F16C__
+#include <immintrin.h>
+#endif
+
+namespace atropos::render {
+namespace {
+
+// Four halves (one pixel) to floats.
+inline void to_floats(const std::uint16_t* half, float* out) {
+#ifdef __F16C__
+    _mm_storeu_ps(out, _mm_cvtph_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(half))));
+#else
+    for (int i = 0; i < 4; ++i) {  // exact also for subnormals: scale the exponent in float
+        const std::uint32_t magnitude = static_cast<std::uint32_t>(half[i] & 0x7fffu) << 13;
+        const float value = std::bit_cast<float>(magnitude) * 0x1p112f;
+        out[i] = half[i] & 0x8000u ? -value : value;
+    }
+#endif
+}
+
+// Weights of samples -n .. n for a Gaussian in samples; the tent [1 2 1] / 4 averages two samples a pixel
+// evenly.
+std::vector<float> kernel(double sigma_px, int supersampling) {
+    if (sigma_px <= 0.0)
+        return supersampling == 1 ? std::vector<float>{1.0f} : std::vector<float>{0.25f, 0.5f, 0.25f};
+    const double sigma = sigma_px * supersampling;
+    const int n = std::max(1, static_cast<int>(std::ceil(2.8 * sigma)));
+    std::vector<float> weights(2 * static_cast<std::size_t>(n) + 1);
+    double sum = 0.0;
+    for (int i = -n; i <= n; ++i) sum += std::exp(-0.5 * i * i / (sigma * sigma));
+    for (int i = -n; i <= n; ++i) {
+        weights[static_cast<std::size_t>(i + n)] =
+            static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)) / sum);
+    }
+    return weights;
+}
+
+// One row of samples, blurred along the row, at the pixels' columns; 4 floats a pixel.
+void blur_row(const EyeSamples& s, int y, const std::vector<float>& weights, std::vector<float>& padded,
+              float* out) {
+    const int n = static_cast<int>(weights.size() / 2), columns = s.width_px * s.supersampling;
+    const std::uint16_t* row = s.layers.half_rgba.data() +
+                               4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(s.layers.width) +
+                                    static_cast<std::size_t>(s.first_column));
+    padded.resize(4 * static_cast<std::size_t>(columns + 2 * n));
+    for (int x = -n; x < columns + n; ++x) {
+        to_floats(row + 4 * std::clamp(x, 0, columns - 1), padded.data() + 4 * (x + n));
+    }
+    for (int x = 0; x < s.width_px; ++x) {
+        const float* in = padded.data() + 4 * x * s.supersampling;
+        float sum[4] = {};
+        for (const float w : weights) {
+            for (int c = 0; c < 4; ++c) sum[c] += w * in[c];
+            in += 4;
+        }
+        std::copy(sum, sum + 4, out + 4 * x);
+    }
+}
+
+}  // namespace
+
+float EyeSamples::depth_m(int x, int y) const {
+    x = std::clamp(x, 0, width_px * supersampling - 1) + first_column;
+    y = std::clamp(y, 0, height_px * supersampling - 1);
+    return layers.depth_m[static_cast<std::size_t>(y) * static_cast<std::size_t>(layers.width) +
+                          static_cast<std::size_t>(x)];
+}
+
+cv::Mat through_lens(const EyeSamples& s, double sigma_px) {
+    const std::vector<float> weights = kernel(sigma_px, s.supersampling);
+    const int n = static_cast<int>(weights.size() / 2), rows = s.height_px * s.supersampling;
+    const std::size_t row_size = 4 * static_cast<std::size_t>(s.width_px);
+    std::vector<float> blurred(row_size * static_cast<std::size_t>(rows)), padded, sum(row_size);
+    for (int y = 0; y < rows; ++y)
+        blur_row(s, y, weights, padded, blurred.data() + row_size * static_cast<std::size_t>(y));
+
+    cv::Mat image(s.height_px, s.width_px, CV_32FC3);
+    for (int y = 0; y < s.height_px; ++y) {
+        std::fill(sum.begin(), sum.end(), 0.0f);
+        for (int k = -n; k <= n; ++k) {
+            const int row = std::clamp(y * s.supersampling + k, 0, rows - 1);
+            const float* in = blurred.data() + row_size * static_cast<std::size_t>(row);
+            const float w = weights[static_cast<std::size_t>(k + n)];
+            for (std::size_t i = 0; i < row_size; ++i) sum[i] += w * in[i];
+        }
+        float* out = image.ptr<float>(y);
+        for (int x = 0; x < s.width_px; ++x) {
+            for (int c = 0; c < 3; ++c) out[3 * x + c] = sum[static_cast<std::size_t>(4 * x + 2 - c)];
+        }
+    }
+    return image;
+}
+
+cv::Mat centre_depth(const EyeSamples& s) {
+    cv::Mat depth(s.height_px, s.width_px, CV_32F);
+    for (int y = 0; y < s.height_px; ++y) {
+        for (int x = 0; x < s.width_px; ++x) {
+            depth.at<float>(y, x) = s.depth_m(x * s.supersampling, y * s.supersampling);
+        }
+    }
+    return depth;
+}
+
+cv::Mat centre_labels(const EyeSamples& s) {
+    cv::Mat labels(s.height_px, s.width_px, CV_8U);
+    for (int y = 0; y < s.height_px; ++y) {
+        const std::uint8_t* row =
+            s.layers.labels.data() +
+            static_cast<std::size_t>(y * s.supersampling) * static_cast<std::size_t>(s.layers.width) +
+            s.first_column;
+        for (int x = 0; x < s.width_px; ++x) labels.at<std::uint8_t>(y, x) = row[x * s.supersampling];
+    }
+    return labels;
+}
+
+}  // namespace atropos::render

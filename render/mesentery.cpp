@@ -1,0 +1,99 @@
+#include <algorithm>
+#include <cmath>
+
+#include "render/noise_field.hpp"
+#include "render/surface_painter.hpp"
+#include "render/vessel_map.hpp"
+
+namespace atropos::render {
+namespace {
+
+float smoothstep(float low, float high, float x) {
+    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
+    return t * t * (3.0f - 2.0f * t);
+}
+
+// Peritoneum over muscle and mesentery: pink to red, with lobules of yellow fat, vessels below the surface
+// and a wet film over all. Colours: own choice after photographs of laparoscopic abdomens.
+class Mesentery final : public SurfacePainter {
+  public:
+    Mesentery(const TissueOptions& o, std::uint64_t seed)
+        : relief_m_(static_cast<float>(o.relief_m)),
+          hills_(seed, "hills"),
+          fat_(seed, "fat"),
+          lobules_(seed, "lobules"),
+          blood_(seed, "blood"),
+          grain_(seed, "grain"),
+          fluid_(seed, "fluid"),
+          vessels_(static_cast<float>(o.size_x_m), static_cast<float>(o.size_y_m), 7, 0.00075f, seed,
+                   "vessels"),
+          capillaries_(static_cast<float>(o.size_x_m), static_cast<float>(o.size_y_m), 70, 0.00020f, seed,
+                       "capillaries") {}
+
+    scenes::Material material() const override {
+        scenes::Material m;
+        m.base_colour.setOnes();
+        m.roughness = 0.62f;
+        m.specular_f0 = 0.03f;
+        m.wetness = 1.0f;
+        return m;
+    }
+
+    float height_m(float x, float y) const override {
+        const float bulge = fat_share(x, y);
+        return relief_m_ * (1.7f * hills_.fractal(28.0f * x, 28.0f * y, 3) + 0.30f * bulge * lobule(x, y));
+    }
+
+    SurfacePoint at(float x, float y) const override {
+        const float fat = fat_share(x, y), lobe = lobule(x, y);
+        const float blotch = blood_.fractal(55.0f * x, 55.0f * y, 4),
+                    fine = grain_.fractal(420.0f * x, 420.0f * y, 4);
+        const Eigen::Vector3f pale(0.60f, 0.26f, 0.215f), red(0.37f, 0.085f, 0.068f),
+            yellow(0.74f, 0.50f, 0.17f);
+        Eigen::Vector3f colour = pale + smoothstep(-0.35f, 0.45f, blotch) * (red - pale);
+        colour *= 1.0f + 0.30f * fine;
+        const Eigen::Vector3f lobe_colour = yellow * (0.62f + 0.42f * lobe) * (1.0f + 0.12f * fine);
+        colour += fat * (lobe_colour - colour);
+
+        const float deep = (1.0f - 0.55f * fat) * vessels_.at(x, y),
+                    shallow = (1.0f - 0.4f * fat) * capillaries_.at(x, y);
+        const Eigen::Vector3f vein(0.20f, 0.030f, 0.045f), artery(0.36f, 0.035f, 0.030f);
+        colour += 0.80f * deep * (vein - colour);
+        colour += 0.55f * shallow * (artery - colour);
+
+        const float folds = 1.0f - std::abs(grain_.fractal(130.0f * x + 3.0f, 95.0f * y, 3)) * 2.0f;
+        SurfacePoint p;
+        p.colour = colour;
+        p.detail_m = 1.3e-4f * (1.0f - fat) * folds + 2.6e-5f * fine + 2.2e-4f * deep + 5e-5f * shallow +
+                     3.2e-4f * fat * lobe + 9e-5f * fluid_.fractal(210.0f * x, 210.0f * y, 3);
+        p.roughness =
+            std::clamp(0.62f + 0.9f * fluid_.fractal(70.0f * x, 70.0f * y, 3) + 0.15f * fat, 0.25f, 1.0f);
+        return p;
+    }
+
+  private:
+    float fat_share(float x, float y) const {
+        return smoothstep(
+            0.10f, 0.26f,
+            fat_.fractal(24.0f * x + 5.0f, 24.0f * y, 4) + 0.10f * fat_.smooth(260.0f * x, 260.0f * y));
+    }
+
+    // 1 in the middle of a lobule of fat, 0 in the seams between.
+    float lobule(float x, float y) const {
+        const float bend = 0.35f * fat_.smooth(180.0f * x, 180.0f * y);
+        const NoiseField::Cells c = lobules_.cells(330.0f * x + bend, 330.0f * y - bend);
+        return smoothstep(0.0f, 0.45f, c.second - c.nearest);
+    }
+
+    float relief_m_;
+    NoiseField hills_, fat_, lobules_, blood_, grain_, fluid_;
+    VesselMap vessels_, capillaries_;
+};
+
+}  // namespace
+
+std::unique_ptr<SurfacePainter> make_mesentery(const TissueOptions& options, std::uint64_t seed) {
+    return std::make_unique<Mesentery>(options, seed);
+}
+
+}  // namespace atropos::render
