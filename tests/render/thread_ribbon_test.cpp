@@ -145,6 +145,10 @@ double run(const scenes::StereoRig& rig, const std::vector<scenes::Polyline>& cu
     return error.rms();
 }
 
+void report(const char* what, const Error& error) {
+    std::printf("%s: rms %.5f max %.5f mean %.5f px of %d\n", what, error.rms(), error.max, error.mean(), error.count);
+}
+
 std::vector<scenes::Polyline> straight_threads() {
     std::vector<scenes::Polyline> curves;
     for (int i = 0; i < 18; ++i) {
@@ -156,8 +160,7 @@ std::vector<scenes::Polyline> straight_threads() {
 TEST(ThreadRibbon, lies_on_its_axis_at_every_angle_to_a_thousandth_of_a_pixel) {
     Error error;
     run(scenes::rig_preset("paper").rig, straight_threads(), error);
-    RecordProperty("rms_px", std::to_string(error.rms()));
-                error.count);
+    report("straight", error);
     EXPECT_GT(error.count, 20000);
     EXPECT_LE(error.rms(), 0.002);
     EXPECT_LE(error.max, 0.01);
@@ -175,8 +178,7 @@ TEST(ThreadRibbon, lies_on_its_axis_where_it_bends) {
         input.ribbons = ribbons;
         measure_bent(endoscope.render(input).left.linear, rig.left, curve, error);
     }
-    std::printf("curved: rms %.5f max %.5f mean %.5f px of %d rows\n", error.rms(), error.max, error.mean(),
-                error.count);
+    report("curved", error);
     EXPECT_LE(error.rms(), 0.002);
     EXPECT_LE(error.max, 0.01);
 }
@@ -186,7 +188,7 @@ TEST(ThreadRibbon, follows_the_lens_distortion) {
     rig.left.distortion = rig.right.distortion = {-0.12, 0.05, 0.001, -0.0005, 0.0, 0.0, 0.0, 0.0};
     Error error;
     run(rig, straight_threads(), error);
-    std::printf("distorted: rms %.5f max %.5f px\n", error.rms(), error.max);
+    report("distorted", error);
     EXPECT_LE(error.rms(), 0.02);
     EXPECT_LE(error.max, 0.02);
 }
