@@ -1,0 +1,101 @@
+#include "tests/support/tracking_trial.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tracker/curve_distance.hpp"
+
+namespace atropos::support {
+namespace {
+
+/// Every fourth point: chords of 0.7 mm, within 2 um of the curve.
+scenes::Polyline thinned(const scenes::Polyline& line) {
+    scenes::Polyline thin;
+    for (std::size_t i = 0; i < line.points.size(); i += 4) thin.points.push_back(line.points[i]);
+    return thin;
+}
+
+double mean_nearest(const scenes::Polyline& from, const scenes::Polyline& to) {
+    double sum = 0.0;
+    for (const Eigen::Vector3d& p : from.points) sum += to.nearest(p).distance_m;
+    return sum / static_cast<double>(from.points.size());
+}
+
+}  // namespace
+
+tracker::StereoFrame stereo_frame(const SyntheticFrame& frame, int index) {
+    tracker::StereoFrame out;
+    out.index = index;
+    out.capture_time_s = frame.time_s;
+    out.left = frame.left;
+    out.right = frame.right;
+    for (std::size_t end = 0; end < 2; ++end) out.tips[end] = tracker::MeasuredTip{.p_C = frame.tips_C[end]};
+    out.instruments = frame.instruments_C;
+    return out;
+}
+
+std::vector<FrameScore> run_trial(const scenes::TrackerConfig& config,
+                                  const SyntheticSequenceOptions& options, int frames) {
+    const SyntheticSequence sequence(options);
+    const std::unique_ptr<tracker::StereoTracker> tracker = tracker::make_tracker(config, options.rig);
+    std::vector<FrameScore> scores;
+    for (int i = 0; i < frames; ++i) {
+        const SyntheticFrame drawn = sequence.frame(i);
+        const tracker::StereoFrame frame = stereo_frame(drawn, i);
+        const tracker::TrackResult& result =
+            i == 0 ? tracker->start(frame, tracker::fit_curve(drawn.truth_C,
+                                                              {.degree = config.curve.degree,
+                                                               .control_points = config.curve.control_points,
+                                                               .length_weight = 1.0}))
+                   : tracker->track(frame);
+        FrameScore score{result.estimate.status,     0.0, 0.0, 1e9, 0.0, result.support,
+                         tracker->timings().total_ms};
+        if (!result.estimate.samples.empty()) {
+            scenes::Polyline found;
+            for (const scenes::ThreadSample& sample : result.estimate.samples)
+                found.points.push_back(sample.p_C);
+            const scenes::Polyline truth = thinned(drawn.truth_C);
+            score.accuracy_3d_m = mean_nearest(found, truth);
+            score.middle_m = tracker::arc_length_distance(found, drawn.truth_C).middle_m;
+            score.accuracy_2d_px = score.symmetric_2d_px = 0.0;
+            for (int eye = 0; eye < 2; ++eye) {
+                const scenes::Polyline a = tracker::image_of(found, options.rig, eye);
+                const scenes::Polyline b = tracker::image_of(truth, options.rig, eye);
+                const double forth = mean_nearest(a, b);
+                score.accuracy_2d_px += 0.5 * forth;
+                score.symmetric_2d_px += 0.25 * (forth + mean_nearest(b, a));
+            }
+        }
+        scores.push_back(score);
+    }
+    return scores;
+}
+
+TrialSummary summary(const std::vector<FrameScore>& scores, double failure_px) {
+    TrialSummary s;
+    s.frames = static_cast<int>(scores.size());
+    std::vector<double> px;
+    double sum_m = 0.0, square_m = 0.0, sum_px = 0.0, square_px = 0.0;
+    int failed = 0;
+    for (const FrameScore& score : scores) {
+        failed += score.symmetric_2d_px > failure_px ? 1 : 0;
+        if (score.status == scenes::TrackStatus::kLost) continue;
+        px.push_back(score.accuracy_2d_px);
+        sum_m += score.accuracy_3d_m;
+        square_m += score.accuracy_3d_m * score.accuracy_3d_m;
+        sum_px += score.accuracy_2d_px;
+        square_px += score.accuracy_2d_px * score.accuracy_2d_px;
+    }
+    s.failed_percent = 100.0 * failed / std::max(s.frames, 1);
+    if (px.empty()) return s;
+    const double n = static_cast<double>(px.size());
+    s.mean_3d_m = sum_m / n;
+    s.std_3d_m = std::sqrt(std::max(0.0, square_m / n - s.mean_3d_m * s.mean_3d_m));
+    s.mean_2d_px = sum_px / n;
+    s.std_2d_px = std::sqrt(std::max(0.0, square_px / n - s.mean_2d_px * s.mean_2d_px));
+    std::nth_element(px.begin(), px.begin() + static_cast<std::ptrdiff_t>(px.size() / 2), px.end());
+    s.median_2d_px = px[px.size() / 2];
+    return s;
+}
+
+}  // namespace atropos::support

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "scenes/tracker_config.hpp"
+#include "tests/support/synthetic_sequence.hpp"
+#include "tracker/stereo_tracker.hpp"
+
+namespace atropos::support {
+
+/// How a tracker did on one frame.
+struct FrameScore {
+    scenes::TrackStatus status;
+    double accuracy_3d_m;   ///< eq. 20
+    double accuracy_2d_px;  ///< eq. 21
+    double symmetric_2d_px;
+    double middle_m;
+    double support;
+    double total_ms;
+};
+
+/// A generated frame as a tracker gets it.
+tracker::StereoFrame stereo_frame(const SyntheticFrame& frame, int index);
+
+/// Runs the tracker of `config` over the first `frames` frames, from the true curve of frame 0, ends given.
+std::vector<FrameScore> run_trial(const scenes::TrackerConfig& config,
+                                  const SyntheticSequenceOptions& options, int frames);
+
+/// Means over frames, as the paper's Table I and `evaluate` count: lost frames left out of the means.
+struct TrialSummary {
+    int frames = 0;
+    double mean_3d_m = 0.0, std_3d_m = 0.0;
+    double mean_2d_px = 0.0, std_2d_px = 0.0, median_2d_px = 0.0;
+    double failed_percent = 0.0;  ///< frames with symmetric 2D error above 5 px, at 640, any status
+};
+TrialSummary summary(const std::vector<FrameScore>& scores, double failure_px = 5.0);
+
+}  // namespace atropos::support

@@ -1,0 +1,83 @@
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "tracker/distance_transform.hpp"
+#include "tracker/stereo_tracker.hpp"
+#include "tracker/thread_tracker.hpp"
+
+namespace atropos::tracker {
+namespace {
+
+void require(bool holds, const std::string& what) {
+    if (!holds) throw std::invalid_argument(what);
+}
+
+void require_range(const char* key, double value, double low, double high) {
+    require(value >= low && value <= high, std::string(key) + " is " + std::to_string(value) + ", expected " +
+                                               std::to_string(low) + " to " + std::to_string(high));
+}
+
+void check_image(const char* name, const cv::Mat& image, const scenes::Camera& camera) {
+    const std::string eye = std::string("the ") + name + " image ";
+    require(!image.empty(), eye + "is missing, expected one");
+    require(image.type() == CV_8UC1 || image.type() == CV_8UC3, eye + "is neither 8-bit gray nor 8-bit BGR");
+    require(image.cols == camera.width_px && image.rows == camera.height_px,
+            eye + "is " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+                ", expected the camera's " + std::to_string(camera.width_px) + "x" +
+                std::to_string(camera.height_px));
+}
+
+}  // namespace
+
+void check_frame(const StereoFrame& frame, const scenes::StereoRig& rig) {
+    check_image("left", frame.left, rig.left);
+    check_image("right", frame.right, rig.right);
+    for (std::size_t end = 0; end < 2; ++end) {
+        if (!frame.tips[end]) continue;
+        const Eigen::Vector3d& p_C = frame.tips[end]->p_C;
+        const std::string tip = "the measured end " + std::to_string(end);
+        require(p_C.allFinite(), tip + " is not a number, expected a position in metres");
+        require(p_C.z() > 0.0 && (rig.X_RC * p_C).z() > 0.0,
+                tip + " lies behind a camera, expected before both");
+    }
+}
+
+void validate(const scenes::TrackerConfig& config) {
+    require_range("threads", config.threads, 1, 256);
+    require_range("K", config.curve.control_points, config.curve.degree + 1, 64);
+    require_range("degree", config.curve.degree, 1, 5);
+    require_range("samples", config.curve.samples, config.curve.control_points, 1000);
+    require_range("thread.length_m", config.thread.length_m, 0.0, 10.0);
+    require(!config.thread.length_is_known || config.thread.length_m > 0.0,
+            "thread.length_m is 0 though it is said to be known, expected more");
+    require_range("thread.width_m", config.thread.width_m, 1e-6, 0.1);
+    require_range("labels.r", config.labels.r, 1, 8);
+    require_range("labels.s_m", config.labels.s_m, 1e-7, 0.1);
+    require_range("labels.steps", config.labels.steps, 1, 6);
+    require_range("labels.depth_factor", config.labels.depth_factor, 0.01, 100.0);
+    require_range("cost_image.scales", config.cost_image.scales, 1, 8);
+    require_range("cost_image.scale_step", config.cost_image.scale_step, 1.01, 4.0);
+    require_range("cost_image.blobness", config.cost_image.blobness, 0.01, 100.0);
+    require_range("cost_image.contrast_levels", config.cost_image.contrast_levels, 0.01, 1000.0);
+    require_range("cost_image.threshold", config.cost_image.threshold, 0.0, 1.0);
+    require_range("cost_image.truncation_px", config.cost_image.truncation_px, 1.0,
+                  DistanceTransform::kMaxTruncation);
+    require_range("lambda1_e1", config.lambda1_e1, 0.0, 1e9);
+    require_range("lambda2_e1_per_m", config.lambda2_e1_per_m, 0.0, 1e9);
+    require_range("lambda1_e2", config.lambda1_e2, 0.0, 1e9);
+    require_range("tips.epsilon_m", config.tips.epsilon_m, 0.0, 1.0);
+    require_range("tips.weight_per_m", config.tips.weight_per_m, 0.0, 1e12);
+}
+
+std::unique_ptr<StereoTracker> make_tracker(const scenes::TrackerConfig& config,
+                                            const scenes::StereoRig& rig) {
+    validate(config);
+    require(config.method != scenes::TrackerMethod::kRefined,
+            "the refined tracker is not built, expected e1 or e2");
+    require(config.parameterisation == scenes::Parameterisation::k3d,
+            "the 2D parameterisation is not built, expected 3d");
+    return std::make_unique<ThreadTracker>(config, rig);
+}
+
+}  // namespace atropos::tracker

@@ -1,0 +1,45 @@
+#include "tracker/potentials.hpp"
+
+namespace atropos::tracker {
+
+NodeLabels::NodeLabels(int nodes, int labels)
+    : labels_(labels),
+      stride_((labels + 7) / 8 * 8),
+      values_(offset(nodes, 0), 0.0f),
+      exact_(static_cast<std::size_t>(nodes * labels), Eigen::Vector3d::Zero()) {}
+
+void NodeLabels::set(int node, std::span<const Eigen::Vector3d> displacements,
+                     const std::array<Eye, 2>& eyes) {
+    for (int l = 0; l < labels_; ++l) {
+        const Eigen::Vector3d& d = displacements[static_cast<std::size_t>(l)];
+        exact_[static_cast<std::size_t>(node * labels_ + l)] = d;
+        const std::array<Eigen::Vector3d, 3> seen = {d, eyes[0].M() * d, eyes[1].M() * d};
+        for (int channel = 0; channel < 9; ++channel)
+            values_[offset(node, channel) + static_cast<std::size_t>(l)] =
+                static_cast<float>(seen[static_cast<std::size_t>(channel / 3)][channel % 3]);
+    }
+}
+
+Eigen::Vector3d NodeLabels::displacement(int node, int label) const {
+    return exact_[static_cast<std::size_t>(node * labels_ + label)];
+}
+
+void add_tip_costs(const EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
+                   const NodeLabels& labels, ChainProblem& chain) {
+    for (std::size_t end = 0; end < 2; ++end) {
+        if (!context.tips[end]) continue;
+        const int node = end == 0 ? 0 : chain.nodes() - 1;
+        const std::span<float> unary = chain.unary(node);
+        const bool fixed = context.tips[end]->kind == MeasuredTip::Kind::kFixed;
+        for (int l = 0; l < labels.labels(); ++l) {
+            const Eigen::Vector3d off = control_points[static_cast<std::size_t>(node)] +
+                                        labels.displacement(node, l) - context.tips[end]->p_C;
+            const double cost = context.weights.tip_per_m * tip_distance(off, context.weights.tip_epsilon_m);
+            unary[static_cast<std::size_t>(l)] =
+                fixed && l > 0 ? ChainProblem::kForbidden
+                               : unary[static_cast<std::size_t>(l)] + static_cast<float>(cost);
+        }
+    }
+}
+
+}  // namespace atropos::tracker
