@@ -146,7 +146,8 @@ double run(const scenes::StereoRig& rig, const std::vector<scenes::Polyline>& cu
 }
 
 void report(const char* what, const Error& error) {
-    std::printf("%s: rms %.5f max %.5f mean %.5f px of %d\n", what, error.rms(), error.max, error.mean(), error.count);
+    std::printf("%s: rms %.5f max %.5f mean %.5f px of %d\n", what, error.rms(), error.max, error.mean(),
+                error.count);
 }
 
 std::vector<scenes::Polyline> straight_threads() {

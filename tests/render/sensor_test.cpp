@@ -1,0 +1,116 @@
+#include "render/sensor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render/calibration_error.hpp"
+#include "render_scenes.hpp"
+
+namespace atropos::render {
+namespace {
+
+StereoFrame even_frame(float value) {
+    StereoFrame frame;
+    for (EyeFrame* eye : {&frame.left, &frame.right})
+        eye->linear = cv::Mat(360, 640, CV_32FC3, cv::Scalar::all(value));
+    return frame;
+}
+
+const scenes::StereoRig& rig() {
+    return scenes::rig_preset("paper").rig;
+}
+
+TEST(Sensor, codes_light_as_srgb_when_ideal) {
+    const Sensor sensor(sensor_preset("ideal"), rig(), 1);
+    for (const float v : {0.0f, 0.002f, 0.05f, 0.18f, 0.5f, 1.0f, 7.0f}) {
+        const double coded =
+            v <= 0.0031308f ? 12.92 * v : 1.055 * std::pow(std::min(v, 1.0f), 1.0 / 2.4) - 0.055;
+        EXPECT_NEAR(sensor.develop(even_frame(v), 0).left.at<cv::Vec3b>(100, 100)[1], 255.0 * coded, 0.75)
+            << v;
+    }
+}
+
+TEST(Sensor, has_the_noise_it_is_asked_for) {
+    SensorOptions options;
+    options.read_noise = 0.006;
+    options.shot_noise = 9.0;
+    const Sensor sensor(options, rig(), 1);
+    const float light = 0.4f;
+    const StereoImages images = sensor.develop(even_frame(light), 3);
+    double sum = 0.0, sum2 = 0.0;
+    for (int y = 0; y < 360; ++y) {
+        for (int x = 0; x < 640; ++x) {
+            const double coded = images.left.at<cv::Vec3b>(y, x)[0] / 255.0;
+            const double value = std::pow((coded + 0.055) / 1.055, 2.4);
+            sum += value;
+            sum2 += value * value;
+        }
+    }
+    const double n = 640.0 * 360.0, mean = sum / n, sigma = std::sqrt(sum2 / n - mean * mean);
+    EXPECT_NEAR(mean, light, 5e-4);
+    EXPECT_NEAR(sigma, 0.006 * std::sqrt(1.0 + 9.0 * light), 0.0005);
+}
+
+TEST(Sensor, repeats_a_frame_and_changes_between_frames_eyes_and_seeds) {
+    const SensorOptions options = sensor_preset("realistic");
+    const StereoFrame frame = even_frame(0.2f);
+    const StereoImages first = Sensor(options, rig(), 1).develop(frame, 5);
+    EXPECT_TRUE(same_bytes(first.left, Sensor(options, rig(), 1).develop(frame, 5).left));
+    EXPECT_FALSE(same_bytes(first.left, first.right));
+    EXPECT_FALSE(same_bytes(first.left, Sensor(options, rig(), 1).develop(frame, 6).left));
+    EXPECT_FALSE(same_bytes(first.left, Sensor(options, rig(), 2).develop(frame, 5).left));
+}
+
+TEST(Sensor, darkens_corners_by_the_cosine_law) {
+    SensorOptions options;
+    options.vignetting = 1.0;
+    const StereoImages images = Sensor(options, rig(), 1).develop(even_frame(0.5f), 0);
+    const double cos = rig().left.ray(Eigen::Vector2d(0.0, 0.0)).z(), v = 0.5 * std::pow(cos, 4.0);
+    EXPECT_NEAR(images.left.at<cv::Vec3b>(0, 0)[1], 255.0 * (1.055 * std::pow(v, 1.0 / 2.4) - 0.055), 1.0);
+}
+
+TEST(Sensor, brings_dark_scenes_up_with_gain) {
+    SensorOptions options;
+    options.auto_gain = true;
+    const Sensor sensor(options, rig(), 1);
+    EXPECT_EQ(sensor.develop(even_frame(0.08f), 0).left.at<cv::Vec3b>(9, 9),
+              sensor.develop(even_frame(0.24f), 0).left.at<cv::Vec3b>(9, 9));
+}
+
+TEST(Sensor, exposes_the_right_eye_late_and_averages_what_moves) {
+    SensorOptions options;
+    options.exposure_time_s = 0.01;
+    options.right_eye_delay_s = 0.004;
+    const Sensor sensor(options, rig(), 1);
+    const std::vector<double> left_s = sensor.exposure_times_s(1.0, 0),
+                              right_s = sensor.exposure_times_s(1.0, 1);
+    ASSERT_EQ(left_s.size(), 4u);
+    EXPECT_NEAR(left_s.front(), 0.99625, 1e-12);
+    EXPECT_NEAR(right_s.front() - left_s.front(), 0.004, 1e-12);
+    StereoFrame dark = even_frame(0.1f), bright = even_frame(0.3f);
+    for (StereoFrame* f : {&dark, &bright})
+        f->left.coverage = f->right.coverage = cv::Mat::zeros(360, 640, CV_32F);
+    const std::vector<StereoFrame> frames = {dark, bright};
+    EXPECT_NEAR(mean_exposure(frames).left.linear.at<cv::Vec3f>(5, 5)[0], 0.2f, 1e-6);
+}
+
+TEST(CalibrationError, stays_small_and_repeats) {
+    const scenes::StereoRig a = told_rig(rig(), {}, 7), b = told_rig(rig(), {}, 7),
+                            other = told_rig(rig(), {}, 8);
+    EXPECT_EQ(a.left.cx_px, b.left.cx_px);
+    EXPECT_NE(a.left.cx_px, other.left.cx_px);
+    const Eigen::Vector3d p(0.01, 0.005, 0.1);
+    EXPECT_LT((a.project_right(p) - rig().project_right(p)).norm(), 3.0);
+    EXPECT_GT((a.project_right(p) - rig().project_right(p)).norm(), 0.01);
+}
+
+TEST(Sensor, refuses_options_out_of_range) {
+    SensorOptions options;
+    options.vignetting = 2.0;
+    EXPECT_THROW(Sensor(options, rig(), 1), std::invalid_argument);
+    EXPECT_THROW(sensor_preset("perfect"), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace atropos::render
