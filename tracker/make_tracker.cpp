@@ -3,6 +3,7 @@
 #include <string>
 
 #include "tracker/distance_transform.hpp"
+#include "tracker/refined_tracker.hpp"
 #include "tracker/stereo_tracker.hpp"
 #include "tracker/thread_tracker.hpp"
 
@@ -68,13 +69,22 @@ void validate(const scenes::TrackerConfig& config) {
     require_range("lambda1_e2", config.lambda1_e2, 0.0, 1e9);
     require_range("tips.epsilon_m", config.tips.epsilon_m, 0.0, 1.0);
     require_range("tips.weight_per_m", config.tips.weight_per_m, 0.0, 1e12);
+    require_range("refined.control_points", config.refined.control_points, 4, 64);
+    require_range("refined.samples", config.refined.samples, 2 * config.refined.control_points, 1000);
+    require_range("refined.search_px", config.refined.search_px, 4.0, 40.0);
+    require_range("refined.contrast_levels", config.refined.contrast_levels, 0.5, 255.0);
+    require_range("refined.blur_px", config.refined.blur_px, 0.1, 10.0);
+    require_range("refined.length_sigma_m", config.refined.length_sigma_m, 1e-6, 1.0);
+    require_range("refined.tip_sigma_m", config.refined.tip_sigma_m, 1e-6, 1.0);
+    require_range("refined.instrument_sigma_m", config.refined.instrument_sigma_m, 0.0, 0.1);
+    require_range("refined.coasting_frames", config.refined.coasting_frames, 0, 100000);
 }
 
 std::unique_ptr<StereoTracker> make_tracker(const scenes::TrackerConfig& config,
                                             const scenes::StereoRig& rig) {
     validate(config);
-    require(config.method != scenes::TrackerMethod::kRefined,
-            "the refined tracker is not built, expected e1 or e2");
+    if (config.method == scenes::TrackerMethod::kRefined)
+        return std::make_unique<RefinedTracker>(config, rig);
     require(config.parameterisation == scenes::Parameterisation::k3d,
             "the 2D parameterisation is not built, expected 3d");
     return std::make_unique<ThreadTracker>(config, rig);

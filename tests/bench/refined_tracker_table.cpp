@@ -1,0 +1,231 @@
+// The refined tracker on generated sequences: `refined_tracker_table [--case NAME] [--frames N] [--seeds
+// A-B]`.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "tests/support/synthetic_sequence.hpp"
+#include "tracker/refined_tracker.hpp"
+
+namespace atropos {
+namespace {
+
+using scenes::Polyline;
+using scenes::TrackStatus;
+using support::SyntheticSequence;
+using support::SyntheticSequenceOptions;
+
+struct Case {
+    std::string name;
+    SyntheticSequenceOptions options;
+    int control_points = 16;
+};
+
+std::vector<Case> cases() {
+    std::vector<Case> all;
+    const auto add = [&all](const std::string& name, auto&& change) {
+        Case c;
+        c.name = name;
+        change(c);
+        all.push_back(c);
+    };
+    for (int a = 1; a <= 5; ++a) add("S" + std::to_string(a), [a](Case& c) { c.options.acceleration = a; });
+    for (int a = 1; a <= 5; ++a)
+        add("P" + std::to_string(a), [a](Case& c) {
+            c.options.acceleration = a;
+            c.options.protocol = support::Protocol::kP;
+            c.control_points = 8;
+        });
+    add("fast", [](Case& c) { c.options.motion_scale = 8.0; });
+    add("hd", [](Case& c) { c.options.rig = scenes::parallel_rig(1920, 1080, 1725.0, 0.005); });
+    add("hd-a", [](Case& c) {
+        c.options.rig = scenes::parallel_rig(1920, 1080, 1725.0, 0.005);
+        c.options.depth_m = 0.070;
+    });
+    add("baseline", [](Case& c) {
+        c.options.heading_rad = 0.0;
+        c.options.arc_tilt_rad = std::numbers::pi / 2.0;
+    });
+    add("tips", [](Case& c) { c.options.tip_error_m = 0.003; });
+    add("occluded", [](Case& c) { c.options.occlusion_begin = 60; });
+    add("faint", [](Case& c) { c.options.contrast = 14.0; });
+    return all;
+}
+
+struct Tally {
+    std::vector<double> values;
+    void add(double v) { values.push_back(v); }
+    double mean() const {
+        double sum = 0.0;
+        for (double v : values) sum += v;
+        return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+    }
+    double quantile(double q) {
+        if (values.empty()) return 0.0;
+        const std::size_t at = static_cast<std::size_t>(q * static_cast<double>(values.size() - 1));
+        std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(at), values.end());
+        return values[at];
+    }
+};
+
+double distance_2d(const std::vector<Eigen::Vector2d>& line, const Eigen::Vector2d& p) {
+    double best = 1e18;
+    for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+        const Eigen::Vector2d d = line[i + 1] - line[i];
+        const double t = std::clamp((p - line[i]).dot(d) / std::max(d.squaredNorm(), 1e-12), 0.0, 1.0);
+        best = std::min(best, (p - line[i] - t * d).squaredNorm());
+    }
+    return std::sqrt(best);
+}
+
+struct Row {
+    Tally error_mm, error_px, middle_mm, frame_ms, sigma_depth_mm, sigma_lateral_mm;
+    Tally depth_ratio, lateral_ratio;  ///< offset over its sigma
+    Tally bad_confidence, good_confidence;
+    int frames = 0, failures = 0, events = 0, silent = 0, lost = 0, coasting = 0;
+};
+
+bool verbose = false;
+
+double cpu_time_s() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void run(const Case& c, std::uint64_t seed, int frames, Row& row) {
+    SyntheticSequenceOptions options = c.options;
+    options.seed = seed;
+    const SyntheticSequence sequence(options);
+    scenes::TrackerConfig config;
+    config.method = scenes::TrackerMethod::kRefined;
+    config.refined.control_points = c.control_points;
+    config.thread.length_m = options.length_m;
+    config.thread.width_m = options.width_m;
+    tracker::RefinedTracker tracker(config, options.rig);
+    const bool spline = options.protocol == support::Protocol::kP;
+    bool failed = false;
+    const double scale = options.rig.left.width_px / 640.0;
+    for (int i = 0; i < frames; ++i) {
+        const support::SyntheticFrame drawn = sequence.frame(i);
+        tracker::StereoFrame frame;
+        frame.index = i;
+        frame.capture_time_s = drawn.time_s;
+        frame.left = drawn.left;
+        frame.right = drawn.right;
+        for (std::size_t end = 0; end < 2; ++end) frame.tips[end] = tracker::MeasuredTip{drawn.tips_C[end]};
+        frame.instruments = drawn.instruments_C;
+        const double began_s = cpu_time_s();
+        const tracker::TrackResult& result =
+            i == 0 ? tracker.start(frame,
+                                   tracker::fit_curve(drawn.truth_C, {.control_points = spline ? 8 : 16,
+                                                                      .length_weight = spline ? 0.0 : 0.3}))
+                   : tracker.track(frame);
+        row.frame_ms.add(1e3 * (cpu_time_s() - began_s));
+        ++row.frames;
+        const scenes::ThreadEstimate& estimate = result.estimate;
+        if (estimate.status == TrackStatus::kLost) {
+            ++row.lost;
+            ++row.failures;
+            if (!failed) ++row.events;
+            failed = true;
+            continue;
+        }
+        if (estimate.status == TrackStatus::kCoasting) ++row.coasting;
+        std::vector<Eigen::Vector2d> image[2];
+        for (const Eigen::Vector3d& p : drawn.truth_C.points) {
+            image[0].push_back(options.rig.project_left(p));
+            image[1].push_back(options.rig.project_right(p));
+        }
+        double mm = 0.0, px = 0.0;
+        const double n = static_cast<double>(estimate.samples.size());
+        for (const scenes::ThreadSample& sample : estimate.samples) {
+            const Polyline::Nearest nearest = drawn.truth_C.nearest(sample.p_C);
+            mm += 1e3 * nearest.distance_m / n;
+            px += 0.5 / n *
+                  (distance_2d(image[0], options.rig.project_left(sample.p_C)) +
+                   distance_2d(image[1], options.rig.project_right(sample.p_C)));
+            const Eigen::Vector3d offset = sample.p_C - nearest.point;
+            const Eigen::Vector3d ray = sample.p_C.normalized();
+            const double depth = ray.dot(offset);
+            row.depth_ratio.add(std::abs(depth) / sample.sigma_depth_m);
+            row.lateral_ratio.add((offset - depth * ray).norm() / sample.sigma_lateral_m);
+            row.sigma_depth_mm.add(1e3 * sample.sigma_depth_m);
+            row.sigma_lateral_mm.add(1e3 * sample.sigma_lateral_m);
+        }
+        px /= scale;
+        row.error_mm.add(mm);
+        row.error_px.add(px);
+        row.middle_mm.add(1e3 * (estimate.samples[estimate.samples.size() / 2].p_C -
+                                 drawn.truth_C.point_at(0.5 * drawn.truth_C.length_m()))
+                                    .norm());
+        const bool bad = px > 5.0;
+        row.failures += bad;
+        if (bad && !failed) ++row.events;
+        failed = bad;
+        const bool wrong = mm > 3.0 || px > 5.0;
+        if (wrong && estimate.status == TrackStatus::kTracking) ++row.silent;
+        (wrong ? row.bad_confidence : row.good_confidence).add(estimate.confidence);
+        if (verbose)
+            std::printf("%4d %.3f mm %.3f px sup %.2f win %.2f str %.4f res %.3f %s conf %.2f\n", i, mm, px,
+                        tracker.quality().support, tracker.quality().worst_window,
+                        tracker.quality().rms_stretch, tracker.quality().rms_residual_px,
+                        scenes::to_string(estimate.status), estimate.confidence);
+    }
+}
+
+double share_below(Tally& t, double limit) {
+    const auto n = std::count_if(t.values.begin(), t.values.end(), [limit](double v) { return v < limit; });
+    return t.values.empty() ? 0.0 : 100.0 * static_cast<double>(n) / static_cast<double>(t.values.size());
+}
+
+int main_of(int argc, char** argv) {
+    std::string wanted;
+    int frames = 200;
+    std::uint64_t from = 101, to = 103;
+    for (int i = 1; i < argc; ++i) {
+        if (!std::strcmp(argv[i], "--verbose")) verbose = true;
+        if (i + 1 >= argc) break;
+        if (!std::strcmp(argv[i], "--case")) wanted = argv[i + 1];
+        if (!std::strcmp(argv[i], "--frames")) frames = std::atoi(argv[i + 1]);
+        if (!std::strcmp(argv[i], "--seeds")) {
+            const std::string range = argv[i + 1];
+            from = std::stoull(range);
+            to = std::stoull(range.substr(range.find('-') + 1));
+        }
+    }
+    std::printf(
+        "case      frames  3D mm  p95    2D px  mid mm p95    fail%% events lost coast silent "
+        "sd mm cov1/2 depth   sl mm  cov1/2 lateral  ms   p99\n");
+    for (const Case& c : cases()) {
+        if (!wanted.empty() && c.name.rfind(wanted, 0) != 0) continue;
+        Row row;
+        for (std::uint64_t seed = from; seed <= to; ++seed) run(c, seed, frames, row);
+        std::printf(
+            "%-9s %6d %6.3f %6.3f %6.3f %6.3f %6.3f %5.2f %6d %4d %5d %6d %6.3f %4.1f %4.1f  %6.4f %4.1f "
+            "%4.1f  "
+            "%5.2f %5.2f\n",
+            c.name.c_str(), row.frames, row.error_mm.mean(), row.error_mm.quantile(0.95), row.error_px.mean(),
+            row.middle_mm.mean(), row.middle_mm.quantile(0.95), 100.0 * row.failures / row.frames, row.events,
+            row.lost, row.coasting, row.silent, row.sigma_depth_mm.mean(), share_below(row.depth_ratio, 1.0),
+            share_below(row.depth_ratio, 2.0), row.sigma_lateral_mm.mean(),
+            share_below(row.lateral_ratio, 1.0), share_below(row.lateral_ratio, 2.0), row.frame_ms.mean(),
+            row.frame_ms.quantile(0.99));
+        std::fflush(stdout);
+    }
+    return 0;
+}
+
+}  // namespace
+
+}  // namespace atropos
+
+int main(int argc, char** argv) {
+    return atropos::main_of(argc, argv);
+}

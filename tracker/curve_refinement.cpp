@@ -1,0 +1,193 @@
+#include "tracker/curve_refinement.hpp"
+
+#include <cmath>
+
+namespace atropos::tracker {
+namespace {
+
+using Block = BorderedBandSystem::Block;
+
+/// d (value . x) / d Q for a row vector by the point: the chain rule of a spline.
+Block by_control_points(const std::array<double, 4>& weights, const Eigen::RowVector3d& by_point) {
+    Block J;
+    for (std::size_t i = 0; i < 4; ++i)
+        J.segment<3>(static_cast<int>(3 * i)) = weights[i] * by_point.transpose();
+    return J;
+}
+
+constexpr double kFixedTipSigma_m = 0.00005;
+
+}  // namespace
+
+CurveRefinement::CurveRefinement(int control_points, int samples, const CurvePriors& priors,
+                                 const scenes::StereoRig& rig)
+    : priors_(priors),
+      rig_(rig),
+      basis_(control_points),
+      samples_(basis_.at_midpoints(samples)),
+      system_(control_points),
+      step_(3 * control_points),
+      trial_(3, control_points) {
+    const std::vector<double> knots = basis_.basis().distinct_knots();
+    for (double u : knots) knots_.push_back(basis_.at(u));
+    for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+        const double width = knots[i + 1] - knots[i];
+        CubicBasisValues span = basis_.at(knots[i] + 0.75 * width);
+        const CubicBasisValues before = basis_.at(knots[i] + 0.25 * width);
+        for (std::size_t a = 0; a < 4; ++a)
+            span.second_derivative[a] =
+                (span.second_derivative[a] - before.second_derivative[a]) / (0.5 * width);
+        spans_.push_back(span);
+    }
+}
+
+double CurveRefinement::add_lines(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                                  bool normal_equations) {
+    double cost = 0.0;
+    const double c2 = problem.robust_px * problem.robust_px;
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        const scenes::Camera& camera = eye == 0 ? rig_.left : rig_.right;
+        for (std::size_t j = 0; j < samples_.size(); ++j) {
+            const LineMeasurement& line = problem.lines[eye][j];
+            if (line.kind != LineMeasurement::Kind::kSeen) continue;
+            Eigen::Vector3d p = samples_[j].point(Q);
+            if (eye == 1) p = rig_.X_RC * p;
+            if (p.z() < 1e-3) {
+                cost += 1e6;
+                continue;
+            }
+            Eigen::Matrix<double, 2, 3> J_px;
+            const Eigen::Vector2d px = camera.project(p, J_px);
+            const double r = line.normal.dot(px - line.point_px);
+            const double inverse_variance = 1.0 / (line.sigma_px * line.sigma_px);
+            cost += 0.5 * c2 * inverse_variance * std::log1p(r * r / c2);
+            if (!normal_equations) continue;
+            Eigen::RowVector3d by_point = line.normal.transpose() * J_px;
+            if (eye == 1) by_point *= rig_.X_RC.linear();
+            system_.add(samples_[j].first, by_control_points(samples_[j].value, by_point), 0.0, r,
+                        inverse_variance / (1.0 + r * r / c2));
+        }
+    }
+    return cost;
+}
+
+double CurveRefinement::add_length(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
+                                   bool normal_equations) {
+    const double weight = 1.0 / (priors_.stretch_sigma * priors_.stretch_sigma);
+    double cost = 0.0;
+    for (const CubicBasisValues& sample : samples_) {
+        const Eigen::Vector3d tangent = sample.tangent(Q);
+        const double speed = std::max(tangent.norm(), 1e-6);
+        const double r = speed / length_m - 1.0;  // eq. 7
+        cost += 0.5 * weight * r * r;
+        if (normal_equations)
+            system_.add(sample.first,
+                        by_control_points(sample.derivative, tangent.transpose() / (speed * length_m)),
+                        -speed / (length_m * length_m), r, weight);
+    }
+    const double r = length_m - problem.length_m;
+    const double prior = 1.0 / (problem.length_sigma_m * problem.length_sigma_m);
+    if (normal_equations) system_.add(0, Block::Zero(), 1.0, r, prior);
+    return cost + 0.5 * prior * r * r;
+}
+
+double CurveRefinement::add_bending(const Eigen::Matrix3Xd& Q, double length_m, bool normal_equations) {
+    double cost = 0.0;
+    const auto add = [&](const std::vector<CubicBasisValues>& places, double scale, double sigma, int usual) {
+        // The prior is of the curve, not of its knots: fewer places weigh more.
+        const double weight = usual / static_cast<double>(places.size()) / (sigma * sigma);
+        for (const CubicBasisValues& place : places) {
+            const Eigen::Vector3d r = scale * place.bend(Q);
+            cost += 0.5 * weight * r.squaredNorm();
+            if (!normal_equations) continue;
+            for (int axis = 0; axis < 3; ++axis)
+                system_.add(place.first,
+                            by_control_points(place.second_derivative,
+                                              scale * Eigen::Vector3d::Unit(axis).transpose()),
+                            0.0, r[axis], weight);
+        }
+    };
+    const double L2 = length_m * length_m;
+    add(knots_, 1.0 / L2, priors_.curvature_sigma_per_m, 14);
+    add(spans_, 1.0 / (L2 * length_m), priors_.curvature_change_sigma_per_m2, 13);
+    return cost;
+}
+
+double CurveRefinement::add_point(int k, const Eigen::Vector3d& error, double weight, bool normal_equations) {
+    if (normal_equations) {
+        const int first = std::min(k, basis_.count() - 4);
+        for (int axis = 0; axis < 3; ++axis) {
+            Block J = Block::Zero();
+            J[3 * (k - first) + axis] = 1.0;
+            system_.add(first, J, 0.0, error[axis], weight);
+        }
+    }
+    return 0.5 * weight * error.squaredNorm();
+}
+
+double CurveRefinement::add_points(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                                   bool normal_equations) {
+    double cost = 0.0;
+    for (std::size_t end = 0; end < 2; ++end) {
+        if (!problem.tips[end]) continue;
+        const int k = end == 0 ? 0 : basis_.count() - 1;
+        const Eigen::Vector3d error = Q.col(k) - problem.tips[end]->p_C;
+        if (problem.tips[end]->kind == MeasuredTip::Kind::kFixed) {
+            cost += add_point(k, error, 1.0 / (kFixedTipSigma_m * kFixedTipSigma_m), normal_equations);
+            continue;
+        }
+        const double c2 = priors_.tip_robust_m * priors_.tip_robust_m;
+        const double inverse_variance = 1.0 / (priors_.tip_sigma_m * priors_.tip_sigma_m);
+        add_point(k, error, inverse_variance / (1.0 + error.squaredNorm() / c2), normal_equations);
+        cost += 0.5 * c2 * inverse_variance * std::log1p(error.squaredNorm() / c2);
+    }
+    const double weight = 1.0 / (priors_.motion_sigma_m * priors_.motion_sigma_m);
+    for (int k = 0; k < basis_.count(); ++k)
+        cost += add_point(k, Q.col(k) - problem.expected.col(k), weight, normal_equations);
+    return cost;
+}
+
+double CurveRefinement::accumulate(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
+                                   bool normal_equations) {
+    if (normal_equations) system_.set_zero();
+    return add_lines(problem, Q, normal_equations) + add_length(problem, Q, length_m, normal_equations) +
+           add_bending(Q, length_m, normal_equations) + add_points(problem, Q, normal_equations);
+}
+
+double CurveRefinement::refine(const CurveProblem& problem, int iterations, Eigen::Matrix3Xd& Q,
+                               double& length_m) {
+    double damping = 1e-6;
+    double cost = accumulate(problem, Q, length_m, true);
+    for (int i = 0; i < iterations; ++i) {
+        double length_step = 0.0;
+        if (!system_.solve(damping, step_, length_step)) {
+            damping = std::max(1e-3, damping * 10.0);
+            continue;
+        }
+        trial_ = Q + step_.reshaped(3, basis_.count());
+        const double trial_length_m = length_m + length_step;
+        const bool sane = trial_length_m > 0.2 * length_m;
+        const double trial_cost =
+            sane ? accumulate(problem, trial_, trial_length_m, false) : 2.0 * cost + 1.0;
+        if (!(trial_cost <= cost)) {
+            damping = std::max(1e-3, damping * 10.0);
+            continue;
+        }
+        const bool converged = step_.lpNorm<Eigen::Infinity>() < 1e-6;
+        Q = trial_;
+        length_m = trial_length_m;
+        cost = trial_cost;
+        damping *= 0.1;
+        if (converged) break;
+        if (i + 1 < iterations) accumulate(problem, Q, length_m, true);
+    }
+    return cost;
+}
+
+bool CurveRefinement::covariance(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
+                                 Eigen::MatrixXd& covariance, double& length_variance) {
+    accumulate(problem, Q, length_m, true);
+    return system_.covariance(covariance, length_variance);
+}
+
+}  // namespace atropos::tracker

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "scenes/stereo_rig.hpp"
+#include "tracker/bordered_band_system.hpp"
+#include "tracker/cubic_basis.hpp"
+#include "tracker/stereo_tracker.hpp"
+
+namespace atropos::tracker {
+
+/// Where the thread was found across the curve, at one sample in one eye: on the line through `point_px`
+/// along the tangent, so that `normal` . (pixel - point_px) is the residual.
+struct LineMeasurement {
+    enum class Kind : unsigned char {
+        kMissing,  ///< looked for and not found
+        kHidden,   ///< behind an instrument or outside of the image: no data
+        kSeen,
+    };
+    Kind kind = Kind::kMissing;
+    Eigen::Vector2d point_px = Eigen::Vector2d::Zero();
+    Eigen::Vector2d normal = Eigen::Vector2d::UnitX();
+    double sigma_px = 0.05;
+    double depth_levels = 0.0;
+};
+
+/// What the curve of one frame is fitted to.
+struct CurveProblem {
+    std::array<std::vector<LineMeasurement>, 2> lines;  ///< of each eye, one a sample
+    std::array<std::optional<MeasuredTip>, 2> tips;
+    double length_m = 0.0;  ///< expected, with its sigma
+    double length_sigma_m = 0.0;
+    double robust_px = 0.5;     ///< Cauchy's scale of the line residuals
+    Eigen::Matrix3Xd expected;  ///< control points by motion alone; 3 x K
+};
+
+/// Scales of the terms: each residual is divided by its sigma, so that the normal equations are the inverse
+/// of a covariance.
+struct CurvePriors {
+    double stretch_sigma = 0.007;                   ///< |C'(u)| / length - 1 at each sample
+    double curvature_sigma_per_m = 30.0;            ///< of C''/length^2 at each of 14 knots
+    double curvature_change_sigma_per_m2 = 4000.0;  ///< of C'''/length^3 in each of 13 spans
+    double tip_sigma_m = 0.001;                     ///< of held ends; fixed ends: 0.05 mm
+    double tip_robust_m = 0.002;                    ///< Cauchy's scale of held ends
+    double motion_sigma_m = 0.020;                  ///< of control points about the motion's prediction
+};
+
+/// Continuous refinement of the curve: damped Gauss-Newton on 3K control points and the curve's length.
+/// Terms: line residuals of both eyes (Cauchy), length per parameter (eq. 7), bending, ends (II-F), motion.
+class CurveRefinement {
+  public:
+    CurveRefinement(int control_points, int samples, const CurvePriors& priors, const scenes::StereoRig& rig);
+
+    const CubicBasis& basis() const { return basis_; }
+    const std::vector<CubicBasisValues>& samples() const { return samples_; }
+
+    /// Improves `Q` (3 x K, in C, m) and `length_m` by up to `iterations` steps; returns the cost.
+    double refine(const CurveProblem& problem, int iterations, Eigen::Matrix3Xd& Q, double& length_m);
+
+    /// Posterior covariance of the control points (3K x 3K, point by point) and variance of the length, at
+    /// the solution. False when something is not determined at all.
+    bool covariance(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
+                    Eigen::MatrixXd& covariance, double& length_variance);
+
+  private:
+    double accumulate(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
+                      bool normal_equations);
+    double add_lines(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, bool normal_equations);
+    double add_length(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
+                      bool normal_equations);
+    double add_bending(const Eigen::Matrix3Xd& Q, double length_m, bool normal_equations);
+    double add_points(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, bool normal_equations);
+    double add_point(int k, const Eigen::Vector3d& error, double weight, bool normal_equations);
+
+    CurvePriors priors_;
+    scenes::StereoRig rig_;
+    CubicBasis basis_;
+    std::vector<CubicBasisValues> samples_;
+    std::vector<CubicBasisValues> knots_;
+    std::vector<CubicBasisValues> spans_;  ///< third derivatives, in `second_derivative`
+    BorderedBandSystem system_;
+    Eigen::VectorXd step_;
+    Eigen::Matrix3Xd trial_;
+};
+
+}  // namespace atropos::tracker
