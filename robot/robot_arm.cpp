@@ -29,8 +29,7 @@ void RobotArm::publish() {
     under_way_.push_back({arrival, {{now, q, drive_.jaw_rad(), X_CB_ * psm().forward(q)}}});
 }
 
-void RobotArm::step() {
-    controller_.step();
+void RobotArm::step_drives() {
     drive_.step(controller_.setpoint());
     if (controller_.steps() % steps_per_message_ == 0) publish();
     // Messages keep their order, as on a topic. Half a nanosecond forgives the rounding of times.

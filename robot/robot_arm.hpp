@@ -22,7 +22,12 @@ class RobotArm {
     const PsmArm& controller() const { return controller_; }
 
     /// Advances controller and drives by one period.
-    void step();
+    void step() {
+        controller_.step();
+        step_drives();
+    }
+    /// The second half of `step`, for who has stepped the controller.
+    void step_drives();
     double time_s() const { return controller_.setpoint().time_s; }
 
     /// The newest measurement that has arrived by now, stamped with the time it was taken.
