@@ -1,9 +1,14 @@
 #pragma once
 
+#include "robot/blade_belief.hpp"
+#include "robot/blade_pursuit.hpp"
+#include "robot/cut_planner.hpp"
 #include "robot/psm_arm.hpp"
+#include "robot/safety_gate.hpp"
 #include "robot/scissors_input.hpp"
 #include "robot/scissors_options.hpp"
 #include "robot/scissors_status.hpp"
+#include "robot/thread_predictor.hpp"
 
 namespace atropos::robot {
 
@@ -20,10 +25,70 @@ class ScissorsCommand {
     const ScissorsStatus& status() const { return status_; }
 
   private:
+    void observe(const ScissorsInput& input);
+    void observe_estimate(const scenes::ThreadEstimate& estimate);
+    void observe_check(const CutCheck& check);
+    void watch_arm();
+    void watch_thread();
+    void act(const ScissorsInput& input);
+    void drive();
+    void report();
+
+    void park(const ScissorsInput& input);
+    void approach();
+    void align();
+    void follow();
+    void close(const ScissorsInput& input);
+    void verify();
+    void go_home();
+
+    bool set_out();
+    void enter(ScissorsState state);
+    void abort(std::string reason);
+    void finish();
+    void freeze();
+    void open_blades();
+    void blocked(const char* why);
+    double clearance_at(const Joints& q) const;
+    bool before_close() const;
+    bool gate_open_for(double duration_s) const;
+    double in_state_s() const { return now_s_ - entered_s_; }
+    BladePursuit::Goal goal() const;
+    Eigen::Isometry3d setpoint_X_CS() const;
+
+    static constexpr double kNever_s = 1e18;
+
     ScissorsOptions options_;
     PsmArm& arm_;
     Eigen::Isometry3d X_CB_;
+    ThreadPredictor thread_;
+    BladeBelief blade_;
+    BladePursuit pursuit_;
+    CutPlan plan_;
     ScissorsStatus status_;
+
+    Joints parked_q_;
+    double parked_jaw_rad_;
+    Eigen::Isometry3d parked_X_CS_;
+    double open_jaw_rad_;
+    double closing_s_;  // from open blades to shut ones
+
+    std::span<const scenes::Capsule> others_C_;
+    double now_s_ = 0.0, entered_s_ = 0.0, commanded_s_ = -1.0;
+    double arrival_s_ = -1e9;  // of the last estimate, used or not
+    bool tracking_ = false;
+    bool driving_ = false;
+    bool frozen_ = false;  // the goal stands where it was
+    BladePursuit::Goal frozen_goal_;
+    double gate_open_since_s_ = kNever_s, gate_shut_since_s_ = 0.0, settled_since_s_ = kNever_s;
+    double stalled_since_s_ = kNever_s, blocked_since_s_ = kNever_s;
+    const char* block_ = "";
+    double planned_s_ = -1e9;
+    CutEvidence evidence_ = CutEvidence::kUnknown;
+    int evidence_count_ = 0;
+    int closes_ = 0;
+    double shut_s_ = -1.0;
+    bool homing_ = false;
 };
 
 }  // namespace atropos::robot

@@ -24,10 +24,14 @@ struct ScissorsOptions {
     double sigmas = 2.0;  ///< how many the gate leaves room for
 
     double registration_sigma_m = 0.0019;  ///< RMS of the blade point in C before images help (calibrated)
-    double min_confidence = 0.5;           ///< of an estimate
-    double max_estimate_age_s = 0.5;       ///< capture to now; older: the gate is closed
-    double lost_timeout_s = 1.5;           ///< without a usable estimate: abort
-    double timeout_s = 20.0;               ///< from command to close
+    /// Farthest an estimate's end may lie from the measured grip that holds it.
+    double max_end_gap_m = 0.010;
+    double max_length_change = 0.08;  ///< of the span, as a share
+    double max_jump_m = 0.005;        ///< of the target between prediction and estimate
+    double min_confidence = 0.5;      ///< of an estimate
+    double max_estimate_age_s = 0.5;  ///< capture to now; older: the gate is closed
+    double lost_timeout_s = 1.5;      ///< without a usable estimate: abort
+    double timeout_s = 20.0;          ///< from command to close
     double verify_timeout_s = 1.5;
 
     double standoff_m = 0.015;          ///< of the blade point before the thread

@@ -35,6 +35,7 @@ struct ErrorBudget {
 struct ScissorsStatus {
     ScissorsState state = ScissorsState::kPark;
     bool finished = false;      ///< nothing more will happen
+    bool aborted = false;       ///< from kAbort on
     bool succeeded = false;     ///< finished, and the images show the thread cut
     std::string reason;         ///< why it was aborted, or what remains unknown; one line
     bool target_known = false;  ///< the four poses below mean something
