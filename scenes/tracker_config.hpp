@@ -49,7 +49,7 @@ struct TrackerConfig {
     } curve;
 
     struct CostImage {
-        int scales = 2;           ///< standard deviations of the Hessian, from the thread's width upwards
+        int scales = 1;           ///< standard deviations of the Hessian, from the thread's width upwards
         double scale_step = 1.5;  ///< ratio between them
         double blobness = 0.5;    ///< Frangi's beta: tolerance to round structures
         double contrast_levels = 8.0;    ///< Frangi's c, grey levels of scale-normalised curvature

@@ -1,5 +1,7 @@
 #include "tracker/cost_image.hpp"
 
+#include <immintrin.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -15,8 +17,9 @@ cv::Rect grown(const cv::Rect& region, int by, int width, int height) {
 }  // namespace
 
 float CostImage::at(float u, float v) const {
-    const float x = std::clamp(u, -1.0f, static_cast<float>(width));
-    const float y = std::clamp(v, -1.0f, static_cast<float>(height));
+    // The order of the arguments makes NaN the border.
+    const float x = std::min(std::max(-1.0f, u), static_cast<float>(width));
+    const float y = std::min(std::max(-1.0f, v), static_cast<float>(height));
     const int ix = static_cast<int>(std::floor(x));
     const int iy = static_cast<int>(std::floor(y));
     const float tx = x - static_cast<float>(ix);
@@ -96,9 +99,18 @@ void CostImageMaker::to_cost(const cv::Rect& region, const cv::Rect& ridge_regio
         std::uint8_t* to = cost_.values.data() +
                            static_cast<std::ptrdiff_t>(region.y + y + CostImage::kBorder) * cost_.stride +
                            region.x + CostImage::kBorder;
-        for (int x = 0; x < region.width; ++x)
-            to[x] = static_cast<std::uint8_t>(
-                static_cast<int>(std::sqrt(static_cast<float>(from[x])) * scale + 0.5f));
+        int x = 0;
+        for (; x + 8 <= region.width; x += 8) {
+            const __m128i squares = _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + x));
+            const __m256 distance = _mm256_sqrt_ps(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(squares)));
+            const __m256i steps = _mm256_cvttps_epi32(
+                _mm256_add_ps(_mm256_mul_ps(distance, _mm256_set1_ps(scale)), _mm256_set1_ps(0.5f)));
+            const __m128i words =
+                _mm_packus_epi32(_mm256_castsi256_si128(steps), _mm256_extracti128_si256(steps, 1));
+            _mm_storel_epi64(reinterpret_cast<__m128i*>(to + x), _mm_packus_epi16(words, words));
+        }
+        for (; x < region.width; ++x)
+            to[x] = static_cast<std::uint8_t>(std::sqrt(static_cast<float>(from[x])) * scale + 0.5f);
     }
 }
 

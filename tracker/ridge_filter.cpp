@@ -1,7 +1,9 @@
 #include "tracker/ridge_filter.hpp"
 
+#include <immintrin.h>
+
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -16,18 +18,21 @@ int radius_px(double sigma_px) {
     return static_cast<int>(std::ceil(kSupportSigmas * sigma_px));
 }
 
-/// exp(x) for x <= 0 to 3e-7 relative; a polynomial of 2^f, so that the compiler can do eight at a time.
-inline float exp_negative(float x) {
-    const float t = std::max(x, -80.0f) * 1.44269504f;
-    const int whole = static_cast<int>(t) - 1;
-    const float f = t - static_cast<float>(whole);  // in (0, 1]
-    float p = 1.8775767e-3f;
-    p = p * f + 8.9893397e-3f;
-    p = p * f + 5.5826318e-2f;
-    p = p * f + 2.4015361e-1f;
-    p = p * f + 6.9315308e-1f;
-    p = p * f + 9.9999994e-1f;
-    return p * std::bit_cast<float>((whole + 127) << 23);
+inline __m256 set(float value) {
+    return _mm256_set1_ps(value);
+}
+
+/// exp(x) for x <= 0 to 3e-7 relative: 2^whole times a polynomial of 2^f, f in (0, 1].
+inline __m256 exp_negative(__m256 x) {
+    const __m256 t = _mm256_mul_ps(_mm256_max_ps(x, set(-80.0f)), set(1.44269504f));
+    const __m256 whole = _mm256_sub_ps(_mm256_ceil_ps(t), set(1.0f));
+    const __m256 f = _mm256_sub_ps(t, whole);
+    __m256 p = set(1.8775767e-3f);
+    for (const float c : {8.9893397e-3f, 5.5826318e-2f, 2.4015361e-1f, 6.9315308e-1f, 9.9999994e-1f})
+        p = _mm256_add_ps(_mm256_mul_ps(p, f), set(c));
+    const __m256i power =
+        _mm256_slli_epi32(_mm256_add_epi32(_mm256_cvtps_epi32(whole), _mm256_set1_epi32(127)), 23);
+    return _mm256_mul_ps(p, _mm256_castsi256_ps(power));
 }
 
 /// Half of a symmetric Gaussian kernel that sums to one: [0] is the centre.
@@ -44,47 +49,70 @@ struct HalfKernel {
     }
 };
 
-/// out[x] = sum over taps of from[x + i step], for x < count (rounded up to whole blocks).
+/// out[x] = sum over taps of from[x + i step], for x < count rounded up to whole blocks.
 void convolve(const HalfKernel& kernel, const float* from, std::ptrdiff_t step, int count, float* out) {
     for (int x0 = 0; x0 < count; x0 += kBlock) {
-        float sum[kBlock];
-        for (int i = 0; i < kBlock; ++i) sum[i] = kernel.tap[0] * from[x0 + i];
+        const float* centre = from + x0;
+        __m256 sum[kBlock / 8];
+        for (int i = 0; i < kBlock / 8; ++i)
+            sum[i] = _mm256_mul_ps(set(kernel.tap[0]), _mm256_loadu_ps(centre + 8 * i));
         for (int t = 1; t <= kernel.radius; ++t) {
-            const float k = kernel.tap[static_cast<std::size_t>(t)];
-            const float* before = from + x0 - t * step;
-            const float* after = from + x0 + t * step;
-            for (int i = 0; i < kBlock; ++i) sum[i] += k * (before[i] + after[i]);
+            const __m256 k = set(kernel.tap[static_cast<std::size_t>(t)]);
+            for (int i = 0; i < kBlock / 8; ++i) {
+                const __m256 pair = _mm256_add_ps(_mm256_loadu_ps(centre - t * step + 8 * i),
+                                                  _mm256_loadu_ps(centre + t * step + 8 * i));
+                sum[i] = _mm256_add_ps(sum[i], _mm256_mul_ps(k, pair));
+            }
         }
-        std::copy(sum, sum + kBlock, out + x0);
+        for (int i = 0; i < kBlock / 8; ++i) _mm256_storeu_ps(out + x0 + 8 * i, sum[i]);
     }
 }
 
 struct MeasureFactors {
     float curvature;  ///< sigma^2 times the sign that makes the thread's curvature positive
-    float either;     ///< 1 when both signs count
+    float either;     ///< more than any curvature when both signs count, else 0
     float blob;       ///< -1 / (2 beta^2)
     float contrast;   ///< -1 / (2 c^2)
 };
 
-/// Frangi's measure of `count` pixels, kept where larger than before.
+/// Frangi's measure of eight pixels from the rows of the smoothed image above, through and below them.
+inline __m256 measure(const float* above, const float* here, const float* below,
+                      const MeasureFactors& factors) {
+    const auto at = [](const float* p) { return _mm256_loadu_ps(p); };
+    const __m256 curvature = set(factors.curvature);
+    const __m256 sign = set(-0.0f);
+    const __m256 twice = _mm256_add_ps(at(here), at(here));
+    const __m256 xx =
+        _mm256_mul_ps(curvature, _mm256_sub_ps(_mm256_add_ps(at(here + 1), at(here - 1)), twice));
+    const __m256 yy = _mm256_mul_ps(curvature, _mm256_sub_ps(_mm256_add_ps(at(below), at(above)), twice));
+    const __m256 cross = _mm256_sub_ps(_mm256_sub_ps(at(below + 1), at(below - 1)),
+                                       _mm256_sub_ps(at(above + 1), at(above - 1)));
+    const __m256 xy = _mm256_mul_ps(_mm256_mul_ps(curvature, set(0.25f)), cross);
+    const __m256 mean = _mm256_mul_ps(set(0.5f), _mm256_add_ps(xx, yy));
+    const __m256 half = _mm256_mul_ps(set(0.5f), _mm256_sub_ps(xx, yy));
+    const __m256 spread = _mm256_sqrt_ps(_mm256_add_ps(_mm256_mul_ps(half, half), _mm256_mul_ps(xy, xy)));
+    const __m256 magnitude = _mm256_andnot_ps(sign, mean);
+    const __m256 large = _mm256_add_ps(magnitude, spread);  // |l2|
+    const __m256 small = _mm256_sub_ps(magnitude, spread);  // |l1|, up to its sign
+    const __m256 small_squared = _mm256_mul_ps(small, small);
+    const __m256 large_squared = _mm256_mul_ps(large, large);
+    const __m256 ratio = _mm256_div_ps(small_squared, _mm256_max_ps(large_squared, set(1e-20f)));
+    const __m256 line = exp_negative(_mm256_mul_ps(set(factors.blob), ratio));
+    const __m256 contrast =
+        exp_negative(_mm256_mul_ps(set(factors.contrast), _mm256_add_ps(large_squared, small_squared)));
+    const __m256 v = _mm256_mul_ps(line, _mm256_sub_ps(set(1.0f), contrast));
+    const __m256 right_sign = _mm256_cmp_ps(_mm256_add_ps(mean, set(factors.either)), set(0.0f), _CMP_GT_OQ);
+    return _mm256_and_ps(v, right_sign);
+}
+
+/// The measure of `count` pixels, kept where it is larger than before.
 void measure_row(const float* above, const float* here, const float* below, int count,
                  const MeasureFactors& factors, float* ridge) {
-    for (int x = 0; x < count; ++x) {
-        const float xx = factors.curvature * (here[x + 1] - 2.0f * here[x] + here[x - 1]);
-        const float yy = factors.curvature * (below[x] - 2.0f * here[x] + above[x]);
-        const float xy =
-            factors.curvature * 0.25f * (below[x + 1] - below[x - 1] - above[x + 1] + above[x - 1]);
-        const float mean = 0.5f * (xx + yy);
-        const float half = 0.5f * (xx - yy);
-        const float spread = std::sqrt(half * half + xy * xy);
-        const float large = std::abs(mean) + spread;            // |l2|
-        const float small = std::abs(std::abs(mean) - spread);  // |l1|
-        const float ratio = small / std::max(large, 1e-12f);
-        const float strength = large * large + small * small;
-        const float v =
-            exp_negative(factors.blob * ratio * ratio) * (1.0f - exp_negative(factors.contrast * strength));
-        const float right_sign = std::max(factors.either, mean > 0.0f ? 1.0f : 0.0f);
-        ridge[x] = std::max(ridge[x], right_sign * v);
+    for (int x = 0; x < count; x += 8) {
+        const __m256i inside =
+            _mm256_cmpgt_epi32(_mm256_set1_epi32(count - x), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+        const __m256 v = measure(above + x, here + x, below + x, factors);
+        _mm256_maskstore_ps(ridge + x, inside, _mm256_max_ps(v, _mm256_maskload_ps(ridge + x, inside)));
     }
 }
 
@@ -136,7 +164,7 @@ void RidgeFilter::accumulate_scale(double sigma_px, int region_width, int region
     MeasureFactors factors{};
     factors.curvature = static_cast<float>(sigma_px * sigma_px) *
                         (options_.polarity == scenes::ThreadPolarity::kBright ? -1.0f : 1.0f);
-    factors.either = options_.polarity == scenes::ThreadPolarity::kEither ? 1.0f : 0.0f;
+    factors.either = options_.polarity == scenes::ThreadPolarity::kEither ? 1e9f : 0.0f;
     factors.blob = static_cast<float>(-0.5 / (options_.blobness * options_.blobness));
     factors.contrast = static_cast<float>(-0.5 / (options_.contrast_levels * options_.contrast_levels));
     for (int y = 0; y < region_height; ++y) {

@@ -30,8 +30,9 @@ struct SyntheticSequenceOptions {
     double motion_scale = 1.0;  ///< 1: about 0.45 px a frame of smooth motion at acceleration 1
     double length_m = 0.070;
     double width_m = 0.00035;
-    std::optional<double> heading_rad;   ///< of the chord; unset: drawn from the seed; 0 = along the baseline
-    std::optional<double> arc_tilt_rad;  ///< unset: drawn; pi/2 = all sag in depth
+    std::optional<double> heading_rad =
+        {};  ///< of the chord; unset: drawn from the seed; 0 = along the baseline
+    std::optional<double> arc_tilt_rad = {};  ///< unset: drawn; pi/2 = all sag in depth
     bool dark = true;
     double contrast = 60.0;     ///< grey levels between thread and background
     double noise_levels = 4.0;  ///< standard deviation

@@ -34,39 +34,56 @@ tracker::StereoFrame stereo_frame(const SyntheticFrame& frame, int index) {
     return out;
 }
 
+namespace {
+
+FrameScore score_of(const tracker::TrackResult& result, const SyntheticFrame& drawn,
+                    const scenes::StereoRig& rig) {
+    FrameScore score{result.estimate.status, 0.0, 0.0, 1e9, 0.0, result.support, 0.0};
+    if (result.estimate.samples.empty()) return score;
+    scenes::Polyline found;
+    for (const scenes::ThreadSample& sample : result.estimate.samples) found.points.push_back(sample.p_C);
+    const scenes::Polyline truth = thinned(drawn.truth_C);
+    score.accuracy_3d_m = mean_nearest(found, truth);
+    score.middle_m = tracker::arc_length_distance(found, drawn.truth_C).middle_m;
+    score.symmetric_2d_px = 0.0;
+    for (int eye = 0; eye < 2; ++eye) {
+        const scenes::Polyline a = tracker::image_of(found, rig, eye);
+        const scenes::Polyline b = tracker::image_of(truth, rig, eye);
+        const double forth = mean_nearest(a, b);
+        score.accuracy_2d_px += 0.5 * forth;
+        score.symmetric_2d_px += 0.25 * (forth + mean_nearest(b, a));
+    }
+    return score;
+}
+
+}  // namespace
+
 std::vector<FrameScore> run_trial(const scenes::TrackerConfig& config,
                                   const SyntheticSequenceOptions& options, int frames) {
+    return run_trials({config}, options, frames).front();
+}
+
+std::vector<std::vector<FrameScore>> run_trials(const std::vector<scenes::TrackerConfig>& configs,
+                                                const SyntheticSequenceOptions& options, int frames) {
     const SyntheticSequence sequence(options);
-    const std::unique_ptr<tracker::StereoTracker> tracker = tracker::make_tracker(config, options.rig);
-    std::vector<FrameScore> scores;
+    std::vector<std::unique_ptr<tracker::StereoTracker>> trackers;
+    for (const scenes::TrackerConfig& config : configs)
+        trackers.push_back(tracker::make_tracker(config, options.rig));
+    std::vector<std::vector<FrameScore>> scores(configs.size());
     for (int i = 0; i < frames; ++i) {
         const SyntheticFrame drawn = sequence.frame(i);
         const tracker::StereoFrame frame = stereo_frame(drawn, i);
-        const tracker::TrackResult& result =
-            i == 0 ? tracker->start(frame, tracker::fit_curve(drawn.truth_C,
-                                                              {.degree = config.curve.degree,
-                                                               .control_points = config.curve.control_points,
-                                                               .length_weight = 1.0}))
-                   : tracker->track(frame);
-        FrameScore score{result.estimate.status,     0.0, 0.0, 1e9, 0.0, result.support,
-                         tracker->timings().total_ms};
-        if (!result.estimate.samples.empty()) {
-            scenes::Polyline found;
-            for (const scenes::ThreadSample& sample : result.estimate.samples)
-                found.points.push_back(sample.p_C);
-            const scenes::Polyline truth = thinned(drawn.truth_C);
-            score.accuracy_3d_m = mean_nearest(found, truth);
-            score.middle_m = tracker::arc_length_distance(found, drawn.truth_C).middle_m;
-            score.accuracy_2d_px = score.symmetric_2d_px = 0.0;
-            for (int eye = 0; eye < 2; ++eye) {
-                const scenes::Polyline a = tracker::image_of(found, options.rig, eye);
-                const scenes::Polyline b = tracker::image_of(truth, options.rig, eye);
-                const double forth = mean_nearest(a, b);
-                score.accuracy_2d_px += 0.5 * forth;
-                score.symmetric_2d_px += 0.25 * (forth + mean_nearest(b, a));
-            }
+        for (std::size_t t = 0; t < trackers.size(); ++t) {
+            if (i == 0)
+                trackers[t]->start(
+                    frame,
+                    tracker::fit_curve(drawn.truth_C, {.degree = configs[t].curve.degree,
+                                                       .control_points = configs[t].curve.control_points,
+                                                       .length_weight = 1.0}));
+            const tracker::TrackResult& result = trackers[t]->track(frame);
+            scores[t].push_back(score_of(result, drawn, options.rig));
+            scores[t].back().total_ms = trackers[t]->timings().total_ms;
         }
-        scores.push_back(score);
     }
     return scores;
 }

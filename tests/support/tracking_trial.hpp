@@ -26,6 +26,10 @@ tracker::StereoFrame stereo_frame(const SyntheticFrame& frame, int index);
 std::vector<FrameScore> run_trial(const scenes::TrackerConfig& config,
                                   const SyntheticSequenceOptions& options, int frames);
 
+/// Several trackers over the same frames.
+std::vector<std::vector<FrameScore>> run_trials(const std::vector<scenes::TrackerConfig>& configs,
+                                                const SyntheticSequenceOptions& options, int frames);
+
 /// Means over frames, as the paper's Table I and `evaluate` count: lost frames left out of the means.
 struct TrialSummary {
     int frames = 0;

@@ -1,0 +1,154 @@
+#include "tracker/cost_image.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+
+#include "scenes/random_stream.hpp"
+#include "tests/support/synthetic_sequence.hpp"
+#include "tracker/eye.hpp"
+
+namespace atropos::tracker {
+namespace {
+
+RC_GTEST_PROP(DistanceTransform, equals_the_nearest_ridge_pixel_by_brute_force, (std::uint64_t seed)) {
+    scenes::RandomStream random(seed, "mask");
+    const int width = 1 + static_cast<int>(random.integer(70));
+    const int height = 1 + static_cast<int>(random.integer(40));
+    const int truncation = 1 + static_cast<int>(random.integer(50));
+    const double density = std::pow(10.0, random.uniform(-3.5, -0.3));
+    std::vector<std::uint8_t> mask(static_cast<std::size_t>(width * height));
+    for (std::uint8_t& m : mask) m = random.uniform() < density ? 255 : 0;
+    std::vector<std::uint16_t> squared(mask.size());
+    DistanceTransform().apply(mask.data(), width, width, height, truncation, squared.data(), width);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            int nearest = truncation * truncation;
+            for (int v = 0; v < height; ++v)
+                for (int u = 0; u < width; ++u)
+                    if (mask[static_cast<std::size_t>(v * width + u)])
+                        nearest = std::min(nearest, (x - u) * (x - u) + (y - v) * (y - v));
+            RC_ASSERT(int{squared[static_cast<std::size_t>(y * width + x)]} == nearest);
+        }
+}
+
+/// Frangi's measure as its formula says, one pixel at a time in double.
+double plain_measure(const cv::Mat1b& image, int x, int y, double sigma, double beta, double c) {
+    const int radius = static_cast<int>(std::ceil(3.0 * sigma));
+    const auto smooth = [&](int cx, int cy) {
+        double sum = 0.0;
+        double weight = 0.0;
+        for (int dy = -radius; dy <= radius; ++dy)
+            for (int dx = -radius; dx <= radius; ++dx) {
+                const double w = std::exp(-0.5 * (dx * dx + dy * dy) / (sigma * sigma));
+                sum +=
+                    w * image(std::clamp(cy + dy, 0, image.rows - 1), std::clamp(cx + dx, 0, image.cols - 1));
+                weight += w;
+            }
+        return sum / weight;
+    };
+    const double s2 = sigma * sigma;
+    const double xx = s2 * (smooth(x + 1, y) - 2 * smooth(x, y) + smooth(x - 1, y));
+    const double yy = s2 * (smooth(x, y + 1) - 2 * smooth(x, y) + smooth(x, y - 1));
+    const double xy =
+        s2 * 0.25 *
+        (smooth(x + 1, y + 1) - smooth(x - 1, y + 1) - smooth(x + 1, y - 1) + smooth(x - 1, y - 1));
+    const double root = std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy);
+    double l1 = 0.5 * (xx + yy) - root;
+    double l2 = 0.5 * (xx + yy) + root;
+    if (std::abs(l1) > std::abs(l2)) std::swap(l1, l2);
+    if (l2 <= 0.0) return 0.0;
+    const double R2 = l1 * l1 / (l2 * l2);
+    return std::exp(-R2 / (2 * beta * beta)) * (1.0 - std::exp(-(l1 * l1 + l2 * l2) / (2 * c * c)));
+}
+
+cv::Mat1b noise_with_line(int width, int height) {
+    scenes::RandomStream random(4, "picture");
+    cv::Mat1b image(height, width);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const double d = std::abs(0.6 * (x - 30.0) - 0.8 * (y - 20.0));
+            image(y, x) = static_cast<std::uint8_t>(random.uniform(110.0, 130.0) - (d < 1.2 ? 60.0 : 0.0));
+        }
+    return image;
+}
+
+TEST(RidgeFilter, is_frangis_formula) {
+    const cv::Mat1b image = noise_with_line(61, 43);
+    std::vector<float> gray(image.begin(), image.end());
+    RidgeFilter filter({.sigmas_px = {1.3}, .blobness = 0.5, .contrast_levels = 8.0});
+    std::vector<float> ridge;
+    filter.apply(gray.data(), 61, 43, 61, {0, 0, 61, 43}, ridge);
+    for (int y = 0; y < 43; ++y)
+        for (int x = 0; x < 61; ++x)
+            ASSERT_NEAR(ridge[static_cast<std::size_t>(y * 61 + x)],
+                        plain_measure(image, x, y, 1.3, 0.5, 8.0), 2e-4);
+}
+
+TEST(RidgeFilter, sees_dark_or_bright_lines_as_told) {
+    cv::Mat1f image(21, 21, 100.0f);
+    image.row(10) = 160.0f;
+    const auto response = [&](scenes::ThreadPolarity polarity) {
+        RidgeFilter filter({.sigmas_px = {1.0}, .polarity = polarity});
+        std::vector<float> ridge;
+        filter.apply(image.ptr<float>(), 21, 21, 21, {0, 0, 21, 21}, ridge);
+        return ridge[10 * 21 + 10];
+    };
+    EXPECT_GT(response(scenes::ThreadPolarity::kBright), 0.9f);
+    EXPECT_GT(response(scenes::ThreadPolarity::kEither), 0.9f);
+    EXPECT_EQ(response(scenes::ThreadPolarity::kDark), 0.0f);
+}
+
+TEST(CostImage, has_the_same_bytes_in_a_region_as_in_the_whole) {
+    const support::SyntheticSequence sequence(
+        {.seed = 3, .rig = scenes::parallel_rig(320, 180, 287.5, 0.005)});
+    const cv::Mat1b picture = sequence.frame(0).left;
+    scenes::TrackerConfig config;
+    CostImageMaker whole(config, {0.9, 1.35}, 15);
+    CostImageMaker part(config, {0.9, 1.35}, 15);
+    whole.make(picture, {0, 0, 320, 180});
+    scenes::RandomStream random(1, "regions");
+    for (int i = 0; i < 20; ++i) {
+        const int x = static_cast<int>(random.integer(300));
+        const int y = static_cast<int>(random.integer(170));
+        const cv::Rect region(x, y, 1 + static_cast<int>(random.integer(static_cast<std::uint64_t>(320 - x))),
+                              1 + static_cast<int>(random.integer(static_cast<std::uint64_t>(180 - y))));
+        part.make(picture, region);
+        ASSERT_EQ(cv::countNonZero(whole.cost_picture()(region) != part.cost_picture()(region)), 0);
+    }
+}
+
+TEST(CostImage, is_bilinear_between_pixels_and_full_outside) {
+    const cv::Mat1b picture = noise_with_line(61, 43);
+    CostImageMaker maker(scenes::TrackerConfig{}, {1.0}, 10);
+    const CostImage& cost = maker.make(picture, {0, 0, 61, 43});
+    EXPECT_FLOAT_EQ(cost.at(-5.0f, 10.0f), 10.0f);
+    EXPECT_FLOAT_EQ(cost.at(30.0f, 1e9f), 10.0f);
+    EXPECT_NEAR(cost.at(30.25f, 20.0f), 0.75f * cost.at(30.0f, 20.0f) + 0.25f * cost.at(31.0f, 20.0f), 1e-5);
+    EXPECT_FLOAT_EQ(cost.at(NAN, 10.0f), 10.0f);
+    alignas(32) float u[8], v[8], many[8];
+    for (int i = 0; i < 8; ++i) {
+        u[i] = 3.3f * static_cast<float>(i) - 2.0f;
+        v[i] = 6.1f * static_cast<float>(i);
+    }
+    _mm256_store_ps(many, bilinear(cost, _mm256_load_ps(u), _mm256_load_ps(v)));
+    for (int i = 0; i < 8; ++i) EXPECT_NEAR(cost.unit_px * many[i], cost.at(u[i], v[i]), 1e-4);
+}
+
+TEST(CostImage, takes_a_colour_picture_like_its_gray_one) {
+    const cv::Mat1b gray = noise_with_line(61, 43);
+    cv::Mat3b colour(gray.size());
+    for (int y = 0; y < gray.rows; ++y)
+        for (int x = 0; x < gray.cols; ++x) colour(y, x) = cv::Vec3b::all(gray(y, x));
+    CostImageMaker one(scenes::TrackerConfig{}, {1.0}, 15);
+    CostImageMaker other(scenes::TrackerConfig{}, {1.0}, 15);
+    one.make(gray, {0, 0, 61, 43});
+    other.make(colour, {0, 0, 61, 43});
+    EXPECT_EQ(cv::countNonZero(one.mask_picture() != other.mask_picture()), 0);
+    EXPECT_THROW(one.make(cv::Mat1f(4, 4), {0, 0, 4, 4}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace atropos::tracker
