@@ -50,6 +50,12 @@ const CostImage& CostImageMaker::make(const cv::Mat& picture, const cv::Rect& re
     cost_.values.assign(static_cast<std::size_t>(cost_.stride) *
                             static_cast<std::size_t>(picture.rows + 2 * CostImage::kBorder),
                         255);
+    // Regions change from frame to frame; room for the largest means no allocation after the first.
+    mask_.reserve(picture.total());
+    gray_.reserve(picture.total());
+    ridge_.reserve(picture.total());
+    squared_.reserve(picture.total());
+    transform_.reserve(picture.cols, picture.rows, truncation_px_);
     const cv::Rect inside = region & cv::Rect(0, 0, picture.cols, picture.rows);
     ridge_region_ = grown(inside, truncation_px_, picture.cols, picture.rows);
     if (inside.empty()) return cost_;

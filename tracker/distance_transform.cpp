@@ -11,6 +11,11 @@ constexpr int kBlock = 32;  // pixels a block of the row pass: two vector regist
 
 }  // namespace
 
+void DistanceTransform::reserve(int width, int height, int truncation) {
+    column_.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    padded_.reserve(static_cast<std::size_t>(2 * truncation + width + 2 * kBlock));
+}
+
 void DistanceTransform::apply(const std::uint8_t* mask, int mask_stride, int width, int height,
                               int truncation, std::uint16_t* squared, int squared_stride) {
     if (truncation < 1 || truncation > kMaxTruncation)

@@ -18,6 +18,9 @@ class DistanceTransform {
     void apply(const std::uint8_t* mask, int mask_stride, int width, int height, int truncation,
                std::uint16_t* squared, int squared_stride);
 
+    /// Makes room for pictures of this size, so that smaller ones allocate nothing.
+    void reserve(int width, int height, int truncation);
+
   private:
     std::vector<std::uint8_t> column_;   ///< distance along the column, truncated
     std::vector<std::uint16_t> padded_;  ///< one row of squares with `truncation` far pixels on either side

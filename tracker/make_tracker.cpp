@@ -19,14 +19,17 @@ void require_range(const char* key, double value, double low, double high) {
                                                std::to_string(low) + " to " + std::to_string(high));
 }
 
+// Says nothing, and allocates nothing, when all is well: it runs on every frame.
 void check_image(const char* name, const cv::Mat& image, const scenes::Camera& camera) {
-    const std::string eye = std::string("the ") + name + " image ";
-    require(!image.empty(), eye + "is missing, expected one");
-    require(image.type() == CV_8UC1 || image.type() == CV_8UC3, eye + "is neither 8-bit gray nor 8-bit BGR");
-    require(image.cols == camera.width_px && image.rows == camera.height_px,
-            eye + "is " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
-                ", expected the camera's " + std::to_string(camera.width_px) + "x" +
-                std::to_string(camera.height_px));
+    const auto refuse = [name](const std::string& what) {
+        throw std::invalid_argument(std::string("the ") + name + " image " + what);
+    };
+    if (image.empty()) refuse("is missing, expected one");
+    if (image.type() != CV_8UC1 && image.type() != CV_8UC3) refuse("is neither 8-bit gray nor 8-bit BGR");
+    if (image.cols != camera.width_px || image.rows != camera.height_px)
+        refuse("is " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+               ", expected the camera's " + std::to_string(camera.width_px) + "x" +
+               std::to_string(camera.height_px));
 }
 
 }  // namespace
@@ -37,10 +40,12 @@ void check_frame(const StereoFrame& frame, const scenes::StereoRig& rig) {
     for (std::size_t end = 0; end < 2; ++end) {
         if (!frame.tips[end]) continue;
         const Eigen::Vector3d& p_C = frame.tips[end]->p_C;
-        const std::string tip = "the measured end " + std::to_string(end);
-        require(p_C.allFinite(), tip + " is not a number, expected a position in metres");
-        require(p_C.z() > 0.0 && (rig.X_RC * p_C).z() > 0.0,
-                tip + " lies behind a camera, expected before both");
+        if (!p_C.allFinite())
+            throw std::invalid_argument("the measured end " + std::to_string(end) +
+                                        " is not a number, expected a position in metres");
+        if (p_C.z() <= 0.0 || (rig.X_RC * p_C).z() <= 0.0)
+            throw std::invalid_argument("the measured end " + std::to_string(end) +
+                                        " lies behind a camera, expected before both");
     }
 }
 

@@ -131,6 +131,9 @@ void RidgeFilter::apply(const float* gray, int width, int height, std::size_t st
     ridge.assign(area, 0.0f);
     source_width_ = region.width + 2 * reach_px_ + kBlock;
     const int source_height = region.height + 2 * reach_px_;
+    const std::size_t most = static_cast<std::size_t>(width + 2 * reach_px_ + kBlock) *
+                             static_cast<std::size_t>(height + 2 * reach_px_);
+    for (std::vector<float>* buffer : {&source_, &horizontal_, &smooth_}) buffer->reserve(most);
     source_.resize(static_cast<std::size_t>(source_width_) * static_cast<std::size_t>(source_height));
     horizontal_.resize(source_.size());
     smooth_.resize(source_.size());

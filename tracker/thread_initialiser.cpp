@@ -60,7 +60,7 @@ std::optional<std::vector<Eigen::Vector3d>> initial_curve_between_tips(const sce
     const cv::Rect whole({}, frame.left.size());
     for (const Level& level : kLevels) {
         const int truncation_px =
-            std::min(static_cast<int>(level.truncation_px / px_scale), DistanceTransform::kMaxTruncation);
+            std::clamp(static_cast<int>(level.truncation_px / px_scale), 1, DistanceTransform::kMaxTruncation);
         StereoCostImages images(config, sigmas_px, truncation_px);
         images.make(frame, {whole, whole}, pool);
         for (int iteration = 0; iteration < level.iterations; ++iteration) {
