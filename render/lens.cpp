@@ -51,14 +51,13 @@ void blur_row(const EyeSamples& s, int y, const std::vector<float>& weights, std
     for (int x = -n; x < columns + n; ++x) {
         to_floats(row + 4 * std::clamp(x, 0, columns - 1), padded.data() + 4 * (x + n));
     }
-    for (int x = 0; x < s.width_px; ++x) {
-        const float* in = padded.data() + 4 * x * s.supersampling;
-        float sum[4] = {};
-        for (const float w : weights) {
-            for (int c = 0; c < 4; ++c) sum[c] += w * in[c];
-            in += 4;
-        }
-        std::copy(sum, sum + 4, out + 4 * x);
+    const float* in = padded.data();
+    const int step = 4 * s.supersampling, taps = static_cast<int>(weights.size());
+    for (int x = 0; x < s.width_px; ++x, in += step, out += 4) {
+        Eigen::Array4f sum = Eigen::Array4f::Zero();
+        for (int k = 0; k < taps; ++k)
+            sum += weights[static_cast<std::size_t>(k)] * Eigen::Map<const Eigen::Array4f>(in + 4 * k);
+        Eigen::Map<Eigen::Array4f>{out} = sum;
     }
 }
 
@@ -75,22 +74,31 @@ cv::Mat through_lens(const EyeSamples& s, double sigma_px) {
     const std::vector<float> weights = kernel(sigma_px, s.supersampling);
     const int n = static_cast<int>(weights.size() / 2), rows = s.height_px * s.supersampling;
     const std::size_t row_size = 4 * static_cast<std::size_t>(s.width_px);
-    std::vector<float> blurred(row_size * static_cast<std::size_t>(rows)), padded, sum(row_size);
-    for (int y = 0; y < rows; ++y)
-        blur_row(s, y, weights, padded, blurred.data() + row_size * static_cast<std::size_t>(y));
+    // Rows blurred along themselves, kept in a ring as tall as the kernel.
+    const std::size_t ring = weights.size();
+    std::vector<float> blurred(row_size * ring), padded, sum(row_size);
+    int next = 0;
 
     cv::Mat image(s.height_px, s.width_px, CV_32FC3);
     for (int y = 0; y < s.height_px; ++y) {
+        for (; next <= std::min(y * s.supersampling + n, rows - 1); ++next) {
+            blur_row(s, next, weights, padded,
+                     blurred.data() + row_size * (static_cast<std::size_t>(next) % ring));
+        }
         std::fill(sum.begin(), sum.end(), 0.0f);
         for (int k = -n; k <= n; ++k) {
-            const int row = std::clamp(y * s.supersampling + k, 0, rows - 1);
-            const float* in = blurred.data() + row_size * static_cast<std::size_t>(row);
+            const auto row = static_cast<std::size_t>(std::clamp(y * s.supersampling + k, 0, rows - 1));
+            const float* in = blurred.data() + row_size * (row % ring);
             const float w = weights[static_cast<std::size_t>(k + n)];
-            for (std::size_t i = 0; i < row_size; ++i) sum[i] += w * in[i];
+            float* total = sum.data();
+            for (std::size_t i = 0; i < row_size; ++i) total[i] += w * in[i];
         }
         float* out = image.ptr<float>(y);
-        for (int x = 0; x < s.width_px; ++x) {
-            for (int c = 0; c < 3; ++c) out[3 * x + c] = sum[static_cast<std::size_t>(4 * x + 2 - c)];
+        const float* rgba = sum.data();
+        for (int x = 0; x < s.width_px; ++x, rgba += 4, out += 3) {
+            out[0] = rgba[2];
+            out[1] = rgba[1];
+            out[2] = rgba[0];
         }
     }
     return image;
@@ -99,8 +107,12 @@ cv::Mat through_lens(const EyeSamples& s, double sigma_px) {
 cv::Mat centre_depth(const EyeSamples& s) {
     cv::Mat depth(s.height_px, s.width_px, CV_32F);
     for (int y = 0; y < s.height_px; ++y) {
+        const float* row =
+            s.layers.depth_m.data() +
+            static_cast<std::size_t>(y * s.supersampling) * static_cast<std::size_t>(s.layers.width) +
+            s.first_column;
         for (int x = 0; x < s.width_px; ++x) {
-            depth.at<float>(y, x) = s.depth_m(x * s.supersampling, y * s.supersampling);
+            depth.ptr<float>(y)[x] = row[x * s.supersampling];
         }
     }
     return depth;

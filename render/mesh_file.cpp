@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 namespace atropos::render {
@@ -29,8 +31,25 @@ void check_file(const std::string& path) {
     if (size > kLargestFile_bytes) fail(path, "larger than 512 MiB, expected a smaller mesh");
 }
 
+// A PLY header that promises more elements than the file has bytes would be believed, and fill the memory.
+void check_ply_header(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    const std::uintmax_t size = std::filesystem::file_size(path);
+    std::string line, word, name;
+    if (!std::getline(file, line) || line.rfind("ply", 0) != 0) return;
+    while (std::getline(file, line) && line.rfind("end_header", 0) != 0) {
+        std::istringstream words(line);
+        double count = 0.0;
+        if (words >> word >> name >> count && word == "element" &&
+            !(count >= 0.0 && count <= static_cast<double>(size))) {
+            fail(path, "more elements in its header than bytes in the file, expected a whole PLY file");
+        }
+    }
+}
+
 const aiScene& read(Assimp::Importer& importer, const std::string& path) {
     check_file(path);
+    check_ply_header(path);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     const aiScene* scene = nullptr;
     try {

@@ -14,6 +14,21 @@ constexpr double kMaxEdgeUnderDistortion_m = 0.0012;  // bends by < 0.005 px at 
 constexpr std::int64_t kFramesToKeepMeshes = 200;
 const std::string kWhite = "*white", kFlat = "*flat";  // for materials without textures
 
+// llvmpipe reads plain bytes several times faster than sRGB; a square root codes light nearly as well, and
+// the shader undoes it by one multiplication.
+std::vector<std::uint8_t> with_square_root_code(std::vector<std::uint8_t> rgba) {
+    std::array<std::uint8_t, 256> code;
+    for (std::size_t i = 0; i < code.size(); ++i) {
+        const double v = static_cast<double>(i) / 255.0;
+        const double linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+        code[i] = static_cast<std::uint8_t>(std::lround(255.0 * std::sqrt(linear)));
+    }
+    for (std::size_t i = 0; i < rgba.size(); ++i) {
+        if (i % 4 != 3) rgba[i] = code[rgba[i]];
+    }
+    return rgba;
+}
+
 bool equal(const Light& a, const Light& b) {
     return a.offset_m == b.offset_m && a.intensity == b.intensity && a.reference_m == b.reference_m &&
            a.cos_inner == b.cos_inner && a.cos_outer == b.cos_outer && a.ambient == b.ambient;
@@ -238,10 +253,12 @@ GLuint SceneRenderer::upload(const std::string& name, const Texture& texture) {
     GLuint& id = textures_[name];
     if (id == 0) gl_.GenTextures(1, &id);
     gl_.BindTexture(GL_TEXTURE_2D, id);
-    gl_.TexImage2D(GL_TEXTURE_2D, 0, texture.is_colour ? GL_SRGB8_ALPHA8 : GL_RGBA8, texture.width_px,
-                   texture.height_px, 0, GL_RGBA, GL_UNSIGNED_BYTE, texture.rgba.data());
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, texture.width_px, texture.height_px, 0, GL_RGBA,
+                   GL_UNSIGNED_BYTE,
+                   (texture.is_colour ? with_square_root_code(texture.rgba) : texture.rgba).data());
     gl_.GenerateMipmap(GL_TEXTURE_2D);
-    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER,
+                      GL_LINEAR_MIPMAP_NEAREST);  // half the cost of trilinear
     gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     return id;
 }

@@ -85,7 +85,8 @@ void main() {
     vec3 smooth_n = normalize(v_normal);
     vec3 n = smooth_n;
 #ifdef TEXTURED
-    base *= texture(u_colour_map, v_uv).rgb;
+    vec3 root = texture(u_colour_map, v_uv).rgb;  // coded by a square root
+    base *= root * root;
     vec4 bump = texture(u_normal_map, v_uv);
     vec3 t = normalize(v_tangent - n * dot(n, v_tangent));
     vec3 b = cross(n, t);

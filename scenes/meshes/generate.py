@@ -162,7 +162,7 @@ def shaft():
     mesh.add("steel_dark", lathe([(4.0, -17.0), (4.0, -16.2)], n=48))
     mesh.add("steel", lathe([(4.05, -16.2), (4.2, -16.0), (4.2, -12.4), (4.05, -12.2), (3.9, -12.1), (3.9, -11.6),
                              (4.05, -11.5), (4.2, -11.3), (4.2, -6.6), (3.9, -5.8), (2.3, -5.0)], n=48))
-    prongs(mesh, "steel", 4.15, 2.75, -7.0, 0.0, 2.9, True)
+    prongs(mesh, "steel", 4.15, 2.75, -7.0, 0.0, 2.4, True)
     for side in (1.0, -1.0):
         mesh.add("pin", disc(1.0, 2.9, 4.22, "x", bevel=0.2) if side > 0 else disc(1.0, -4.22, -2.9, "x", bevel=0.2))
     # The two screws of the clevis.
@@ -183,7 +183,7 @@ def wrist(length):
             superellipse(0, 0, 3.75, 3.9, 4.6, 2.1), superellipse(0, 0, 3.7, 3.9, 5.2, 2.1),
             superellipse(0, 0, 2.9, 3.3, length - 3.3, 2.4)]
     mesh.add("steel", loft(body))
-    prongs(mesh, "steel", 3.98, 2.6, 4.4, length, 2.7, False)
+    prongs(mesh, "steel", 3.98, 2.6, 4.4, length, 2.3, False)
     for low, high in ((2.7, 4.12), (-4.12, -2.7)):
         mesh.add("pin", disc(1.0, low, high, "y", (0.0, 0.0, length), 0.2))
     # Cables from the pulleys to the jaws' hubs.
