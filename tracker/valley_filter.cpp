@@ -4,56 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "tracker/normal_profile.hpp"
+
 namespace atropos::tracker {
 namespace {
-
-constexpr int kMaxProfile = 192;
-
-/// Grey levels at offsets (first .. last) * step along a normal, mean of `taps` parallel lines.
-struct Profile {
-    int half = 0;
-    int first = 0;  ///< first and last index inside the image, -half .. half
-    int last = -1;
-    std::array<float, kMaxProfile> level{};
-
-    float& operator[](int i) { return level[static_cast<std::size_t>(i + half)]; }
-    float operator[](int i) const { return level[static_cast<std::size_t>(i + half)]; }
-};
-
-/// Indices i in [first, last] for which a + i * d lies in [0, limit].
-void clip(double a, double d, double limit, int& first, int& last) {
-    if (std::abs(d) < 1e-9) {
-        if (a < 0.0 || a > limit) last = first - 1;
-        return;
-    }
-    const double low = std::min(-a / d, (limit - a) / d);
-    const double high = std::max(-a / d, (limit - a) / d);
-    first = std::max(first, static_cast<int>(std::ceil(std::max(low, -1e6))));
-    last = std::min(last, static_cast<int>(std::floor(std::min(high, 1e6))));
-}
-
-void read_profile(const ImageView& image, const NormalLine& line, double step_px, int half, int taps,
-                  double tap_step_px, Profile& profile) {
-    half = std::min(half, (kMaxProfile - 1) / 2);
-    profile.half = half;
-    profile.first = -half;
-    profile.last = half;
-    const Eigen::Vector2d step = step_px * line.normal;
-    for (int k = 0; k < taps; ++k) {
-        const Eigen::Vector2d p = line.p_px + (k - 0.5 * (taps - 1)) * tap_step_px * line.tangent;
-        clip(p.x(), step.x(), image.width - 1.001, profile.first, profile.last);
-        clip(p.y(), step.y(), image.height - 1.001, profile.first, profile.last);
-    }
-    for (int i = profile.first; i <= profile.last; ++i) profile[i] = 0.0f;
-    for (int k = 0; k < taps; ++k) {
-        const Eigen::Vector2d p = line.p_px + (k - 0.5 * (taps - 1)) * tap_step_px * line.tangent;
-        for (int i = profile.first; i <= profile.last; ++i)
-            profile[i] +=
-                image.bilinear(std::max(0.0, p.x() + i * step.x()), std::max(0.0, p.y() + i * step.y()));
-    }
-    const float mean = 1.0f / static_cast<float>(taps);
-    for (int i = profile.first; i <= profile.last; ++i) profile[i] *= mean;
-}
 
 void insert(const Valley& valley, std::array<Valley, ValleyFilter::kMaxValleys>& valleys, int& count) {
     int at = count;
@@ -67,9 +21,9 @@ void insert(const Valley& valley, std::array<Valley, ValleyFilter::kMaxValleys>&
 }
 
 /// Valleys of sign * profile.
-void find_in(const Profile& profile, float sign, int side, int smooth, int reach, double step_px,
+void find_in(const NormalProfile& profile, float sign, int side, int smooth, int reach, double step_px,
              double threshold, std::array<Valley, ValleyFilter::kMaxValleys>& valleys, int& count) {
-    Profile mean;  // box of the thread's width: noise falls, a highlight on the thread is averaged away
+    NormalProfile mean;  // box of the thread's width: noise falls, a highlight on the thread is averaged away
     mean.half = profile.half;
     const int first = profile.first + smooth;
     const int last = profile.last - smooth;
@@ -115,8 +69,8 @@ int ValleyFilter::find(const ImageView& image, const NormalLine& line, double se
     const int smooth = std::max(1, static_cast<int>(std::lround(0.3 * width_px / step))) - (width_px < 1.5);
     const int side = std::max(smooth + 1, static_cast<int>(std::lround((0.5 * width_px + 1.2) / step)) + 1);
     const int reach = static_cast<int>(std::ceil(search_px / step));
-    Profile profile;
-    read_profile(image, line, step, reach + side + smooth + 1, options_.taps, options_.tap_step_px, profile);
+    NormalProfile profile;
+    profile.read(image, line, step, reach + side + smooth + 1, options_.taps, options_.tap_step_px);
     int count = 0;
     if (options_.polarity != scenes::ThreadPolarity::kBright)
         find_in(profile, 1.0f, side, smooth, reach, step, options_.threshold_levels, valleys, count);
@@ -130,8 +84,8 @@ int ValleyFilter::find(const ImageView& image, const NormalLine& line, double se
 bool ValleyFilter::localise(const ImageView& image, const NormalLine& line, double width_px,
                             Localisation& found) const {
     const int half = std::min(static_cast<int>(std::ceil(0.5 * width_px + 2.5 * options_.blur_px + 0.5)), 24);
-    Profile profile;
-    read_profile(image, line, 1.0, half, options_.taps, options_.tap_step_px, profile);
+    NormalProfile profile;
+    profile.read(image, line, 1.0, half, options_.taps, options_.tap_step_px);
     if (profile.first > -half || profile.last < half) return false;
 
     double bar_1 = 0.0, bar_bar = 0.0, g_1 = 0.0, g_bar = 0.0;                     // even

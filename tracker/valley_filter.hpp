@@ -1,20 +1,11 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
-#include <vector>
 
 #include "scenes/tracker_config.hpp"
-#include "tracker/image_view.hpp"
+#include "tracker/normal_profile.hpp"
 
 namespace atropos::tracker {
-
-/// A line across the thread's image: through `p_px` along the unit `normal`; `tangent` is across it.
-struct NormalLine {
-    Eigen::Vector2d p_px = Eigen::Vector2d::Zero();
-    Eigen::Vector2d normal = Eigen::Vector2d::UnitX();
-    Eigen::Vector2d tangent = Eigen::Vector2d::UnitY();
-};
 
 /// A dark (or bright) line crossed by a normal line, lower than both of its sides.
 struct Valley {
