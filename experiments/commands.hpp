@@ -26,6 +26,11 @@ using Command = std::function<int()>;
 /// Adds --seed, --set, --threads, --quiet, --force.
 void add_common_options(CLI::App& app, CommonOptions& common);
 
+void add_run_command(CLI::App& program, Command& chosen);
+void add_generate_command(CLI::App& program, Command& chosen);
+void add_render_command(CLI::App& program, Command& chosen);
 void add_info_command(CLI::App& program, Command& chosen);
+void add_track_command(CLI::App& program, Command& chosen);
+void add_evaluate_command(CLI::App& program, Command& chosen);
 
 }  // namespace atropos::experiments

@@ -43,6 +43,10 @@ int parse_and_run(int argc, char** argv) {
     program.require_subcommand(1);
     program.footer("Example: atropos info --cameras\n`atropos COMMAND --help` tells more.");
     Command chosen;
+    add_generate_command(program, chosen);
+    add_render_command(program, chosen);
+    add_track_command(program, chosen);
+    add_evaluate_command(program, chosen);
     add_info_command(program, chosen);
     if (argc > 1 && argv[1][0] != '-' && !knows(program, argv[1]))
         return complain(unknown_command(program, argv[1]), kBadInput);

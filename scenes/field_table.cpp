@@ -77,6 +77,9 @@ void visit_arms(FieldVisitor& v, ArmsConfig& c) {
 }
 
 void visit_cut(FieldVisitor& v, CutConfig& c) {
+    v.choice(
+        {"controller", "whose word the scissors take; all but tracker are null controllers, for comparison"},
+        c.controller, {"tracker", "chord", "frozen", "truth"});
     v.number({"at_s", "time of the command"}, c.at_s, {0.0, 3600.0});
     v.number({"fraction", "where to cut, as a share of the span between the grips"}, c.fraction,
              {0.05, 0.95});

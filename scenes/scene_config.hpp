@@ -89,8 +89,18 @@ struct TrackingConfig {
     TipSource tips = TipSource::kMeasured;
 };
 
+/// Whose word the scissors take for where the thread is. All but the tracker are null controllers, for
+/// comparison.
+enum class CutController {
+    kTracker,
+    kChord,   ///< the straight line between the measured grips, no images
+    kFrozen,  ///< the tracker's curve at the moment of the command, ever after
+    kTruth,   ///< the simulated thread
+};
+
 /// What the scissors are asked to do.
 struct CutConfig {
+    CutController controller = CutController::kTracker;
     double at_s = 3.0;
     double fraction = 0.5;  ///< of the span between the grips, from the end with the smaller arc length
     double tolerance_m = 0.002;

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/endoscope_view.hpp"
+#include "experiments/stage_clock.hpp"
+#include "experiments/testbed.hpp"
+#include "robot/scissors_command.hpp"
+#include "scenes/scene_config.hpp"
+#include "tracker/stereo_tracker.hpp"
+
+namespace atropos::experiments {
+
+/// What one camera frame of the loop leaves behind. The references live during the call only.
+struct LoopFrame {
+    int frame;
+    const View& view;
+    const tracker::TrackResult* tracked;  ///< of this frame; null when the tracker does not take it
+    const robot::ScissorsStatus& command;
+};
+
+/// Simulation at 1 kHz, camera at its rate, tracker at its own rate and simulated latency, scissors command:
+/// one episode. Results never depend on the machine's speed. The tracker gets images, calibration and
+/// measured poses; the command gets estimates and measured poses; the truth goes to the observer alone.
+class ClosedLoop {
+  public:
+    using Observer = std::function<void(const LoopFrame&)>;
+
+    explicit ClosedLoop(const scenes::SceneConfig& scene);
+    ~ClosedLoop();
+
+    /// Runs to the end: the command has finished and a little longer, or the scene's duration is over.
+    void run(const Observer& observer);
+
+    const Testbed& testbed() const { return testbed_; }
+    const robot::ScissorsStatus& status() const { return command_->status(); }
+    const tracker::StereoTracker& tracker() const { return *tracker_; }
+    const StageClock& clock() const { return clock_; }
+    long frames() const;  ///< at most, over the scene's duration
+
+  private:
+    struct Pending {
+        double arrives_s;
+        scenes::ThreadEstimate estimate;
+    };
+    void look(int frame, const Observer& observer);
+    tracker::StereoFrame tracker_frame(int frame, const View& view) const;
+    void deliver(const scenes::ThreadEstimate& estimate);
+    robot::ScissorsInput scissors_input();
+
+    scenes::SceneConfig scene_;
+    Testbed testbed_;
+    EndoscopeView endoscope_;
+    std::unique_ptr<tracker::StereoTracker> tracker_;
+    std::unique_ptr<robot::ScissorsCommand> command_;
+    std::vector<Pending> pending_;
+    std::optional<scenes::ThreadEstimate> arrived_;
+    std::optional<scenes::ThreadEstimate> frozen_;
+    std::vector<scenes::Capsule> others_C_;
+    double next_track_s_ = 0.0;
+    StageClock clock_;
+};
+
+/// The command's options from the scene's keys.
+robot::ScissorsOptions scissors_options(const scenes::SceneConfig& scene);
+
+}  // namespace atropos::experiments

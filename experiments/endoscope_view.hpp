@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "experiments/testbed.hpp"
+#include "render/instrument.hpp"
+#include "render/sensor.hpp"
+#include "render/stereo_endoscope.hpp"
+
+namespace atropos::experiments {
+
+/// A point of the true thread as a camera pair sees it.
+struct TruthSample {
+    int strand = 0;
+    int i = 0;
+    double s_m = 0.0;
+    bool in_span = false;
+    Eigen::Vector3d p_C = Eigen::Vector3d::Zero();
+    std::array<Eigen::Vector2d, 2> pixel{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};  ///< left, right
+    std::array<bool, 2> visible{};
+};
+
+/// What the cameras see at one instant: `left` and `right` are all that a real system would have.
+struct View {
+    cv::Mat left, right;        ///< 8-bit BGR
+    render::StereoFrame truth;  ///< depth, labels, coverage
+    std::vector<TruthSample> samples;
+};
+
+/// The endoscope over a testbed: draws arms, tissue and thread, and turns light into pictures.
+class EndoscopeView {
+  public:
+    /// Throws std::runtime_error when there is no renderer or a mesh is missing.
+    explicit EndoscopeView(const Testbed& testbed);
+
+    View capture(const Testbed& testbed, int frame);
+    std::string description() const { return endoscope_.description(); }
+
+  private:
+    std::vector<scenes::RenderItem> items(const Testbed& testbed) const;
+
+    render::StereoEndoscope endoscope_;
+    render::Sensor sensor_;
+    render::ThreadLook look_;
+    std::array<render::InstrumentModel, kArms> instruments_;
+};
+
+/// Samples of every strand: 101 over the judged span, and its tails.
+std::vector<TruthSample> truth_samples(const sim::ThreadTruth& thread, const Eigen::Isometry3d& X_CW);
+
+}  // namespace atropos::experiments

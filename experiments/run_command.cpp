@@ -1,0 +1,57 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+
+#include "experiments/closed_loop.hpp"
+#include "experiments/commands.hpp"
+#include "experiments/exit_status.hpp"
+#include "experiments/output_folder.hpp"
+#include "experiments/progress_meter.hpp"
+#include "experiments/run_recorder.hpp"
+#include "scenes/scene_file.hpp"
+
+namespace atropos::experiments {
+namespace {
+
+struct RunOptions {
+    std::string scene, output;
+    bool no_video = false;
+    CommonOptions common;
+};
+
+int run(const RunOptions& options) {
+    check_output(options.output, options.common.force);
+    scenes::SceneConfig scene = scenes::load_scene(options.scene, options.common.all_overrides());
+    scene.tracking.tracker.threads = options.common.threads;
+    OutputFolder output(options.output, options.common.force);
+    const auto start = std::chrono::steady_clock::now();
+    ClosedLoop loop(scene);
+    RunRecorder recorder(output.path(), loop, !options.no_video);
+    ProgressMeter meter("run", loop.frames(), options.common.quiet);
+    loop.run([&](const LoopFrame& frame) {
+        recorder.add(frame);
+        meter.advance();
+    });
+    const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const nlohmann::ordered_json summary = recorder.finish(wall_s);
+    output.commit();
+    const std::string verdict = summary["verdict"];
+    fmt::print("{}: {}\n", verdict, summary["reason"].get<std::string>());
+    return verdict == "cut" ? kDone : kNegative;
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& program, Command& chosen) {
+    CLI::App* app = program.add_subcommand("run", "closed loop: simulates, renders, tracks, cuts, judges");
+    const auto options = std::make_shared<RunOptions>();
+    app->add_option("SCENE", options->scene, "scene file")->required();
+    app->add_option("-o,--output", options->output, "folder of the run")->required();
+    app->add_flag("--no-video", options->no_video, "without video.mp4");
+    add_common_options(*app, options->common);
+    app->footer("Example: atropos run scenes/auto_scissors.yaml -o results/run --seed 7");
+    app->callback([&chosen, options] { chosen = [options] { return run(*options); }; });
+}
+
+}  // namespace atropos::experiments

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/tissue.hpp"
+#include "robot/frame_tree.hpp"
+#include "robot/layout.hpp"
+#include "robot/robot_arm.hpp"
+#include "scenes/scene_config.hpp"
+#include "scenes/stereo_rig.hpp"
+#include "sim/world.hpp"
+
+namespace atropos::experiments {
+
+constexpr int kArms = 3;  ///< PSM1, PSM2, PSM3
+constexpr int kScissorsArm = 2;
+
+/// What moves the holding arms: where their grip frames shall be, in W, at a time. Set by the scene.
+class GripMotion {
+  public:
+    virtual ~GripMotion() = default;
+    virtual std::array<Eigen::Isometry3d, 2> X_WG(double time_s) const = 0;
+};
+
+/// The simulated operating field: arms with their imperfections, tissue, thread, stepped together at 1 kHz.
+/// Built anew for each episode. It owns the truth; what a real system would know is asked of the arms
+/// (`robot::Measured`).
+class Testbed {
+  public:
+    /// Throws std::invalid_argument when the scene can't be set up (unknown tool, thread shorter than the
+    /// grips' distance, grips out of reach).
+    explicit Testbed(const scenes::SceneConfig& scene);
+    ~Testbed();
+
+    /// One millisecond: motions command the holding arms, all arms move, the physics follows.
+    void tick();
+    double time_s() const { return world_->time_s(); }
+
+    const scenes::SceneConfig& scene() const { return scene_; }
+    const scenes::StereoRig& rig() const { return rig_; }
+    robot::RobotArm& arm(int i) { return *arms_[static_cast<size_t>(i)]; }
+    const robot::RobotArm& arm(int i) const { return *arms_[static_cast<size_t>(i)]; }
+
+    /// Pose of the left camera: fixed during an episode.
+    const Eigen::Isometry3d& X_WC() const { return X_WC_; }
+    const render::Tissue* tissue() const { return tissue_ ? &*tissue_ : nullptr; }
+
+    Eigen::Isometry3d X_WTissue() const;
+
+    const sim::World& world() const { return *world_; }
+    sim::ThreadTruth thread() const { return world_->thread(); }
+
+    /// Measured grip point of a holding arm in C; the end that it holds is the same as its number.
+    Eigen::Vector3d measured_grip_C(int arm) const;
+    /// True grip point of a holding arm in C.
+    Eigen::Vector3d true_grip_C(int arm) const;
+
+  private:
+    void build_arms(const robot::Layout& layout);
+    void build_world();
+    void place_instruments();
+
+    scenes::SceneConfig scene_;
+    scenes::StereoRig rig_;
+    robot::FrameTree tree_;
+    Eigen::Isometry3d X_WC_ = Eigen::Isometry3d::Identity();
+    std::array<std::unique_ptr<robot::RobotArm>, kArms> arms_;
+    std::array<Eigen::Isometry3d, kArms> X_WB_;
+    std::optional<render::Tissue> tissue_;
+    std::unique_ptr<sim::World> world_;
+    std::unique_ptr<GripMotion> motion_;
+};
+
+/// The motion that a scene asks of its two holding arms.
+std::unique_ptr<GripMotion> make_grip_motion(const scenes::SceneConfig& scene);
+
+/// The thread's options from the scene's keys: a material by name, each figure replaceable.
+sim::ThreadOptions thread_options(const scenes::ThreadConfig& config);
+
+}  // namespace atropos::experiments

@@ -1,0 +1,136 @@
+#include <fmt/format.h>
+
+#include <fstream>
+#include <memory>
+#include <opencv2/imgproc.hpp>
+
+#include "experiments/commands.hpp"
+#include "experiments/exit_status.hpp"
+#include "experiments/explain.hpp"
+#include "experiments/output_folder.hpp"
+#include "experiments/overlay.hpp"
+#include "experiments/picture_file.hpp"
+#include "experiments/progress_meter.hpp"
+#include "experiments/sequence.hpp"
+#include "experiments/track_writer.hpp"
+#include "experiments/version.hpp"
+#include "experiments/video_writer.hpp"
+#include "scenes/file_error.hpp"
+#include "scenes/scene_file.hpp"
+
+namespace atropos::experiments {
+namespace fs = std::filesystem;
+using scenes::FileError;
+namespace {
+
+struct TrackOptions {
+    std::string sequence, output, method, config;
+    bool overlay = false;
+    int explain = -1;
+    CommonOptions common;
+};
+
+/// The tracker's settings: --config, else the sequence's scene.yaml, else the defaults; then --method and
+/// --set.
+scenes::SceneConfig settings(const TrackOptions& options) {
+    std::vector<std::string> overrides = options.common.overrides;
+    if (!options.method.empty()) overrides.insert(overrides.begin(), "tracker.method=" + options.method);
+    fs::path file = options.config;
+    if (file.empty() && fs::exists(fs::path(options.sequence) / "scene.yaml"))
+        file = fs::path(options.sequence) / "scene.yaml";
+    scenes::SceneConfig scene = file.empty() ? scenes::parse_scene("settings", "{}\n", ".", overrides)
+                                             : scenes::load_scene(file, overrides);
+    scene.tracking.tracker.threads = options.common.threads;
+    return scene;
+}
+
+const char* method_name(scenes::TrackerMethod method) {
+    return method == scenes::TrackerMethod::kE1   ? "e1"
+           : method == scenes::TrackerMethod::kE2 ? "e2"
+                                                  : "refined";
+}
+
+nlohmann::ordered_json track_meta(const Sequence& sequence, const scenes::SceneConfig& scene) {
+    nlohmann::ordered_json meta;
+    meta["sequence"] = fs::weakly_canonical(sequence.folder()).filename().string();
+    meta["frames"] = sequence.frames();
+    meta["method"] = method_name(scene.tracking.tracker.method);
+    meta["version"] = version_number();
+    // The whole settings: the section `tracker` of the resolved scene.
+    const std::string text = scenes::to_yaml(scene);
+    const std::size_t begin = text.find("tracker:"), end = text.find("\ncut:");
+    meta["configuration"] = text.substr(begin, end - begin);
+    return meta;
+}
+
+void print_labels(const scenes::TrackerConfig& config, bool quiet) {
+    if (quiet || config.method == scenes::TrackerMethod::kRefined) return;
+    fmt::print(stderr, "labels: r {}, s {:.4g} mm, {} steps, {} labels a node\n", config.labels.r,
+               1e3 * config.labels.s_m, config.labels.steps, 14 * config.labels.r + 1);
+}
+
+int track(const TrackOptions& options) {
+    check_output(options.output, options.common.force);
+    const Sequence sequence = Sequence::open(options.sequence);
+    const scenes::SceneConfig scene = settings(options);
+    const auto tracker = tracker::make_tracker(scene.tracking.tracker, sequence.rig());
+    if (options.explain >= sequence.frames())
+        throw FileError("--explain", fmt::format("{} is beyond the last frame, {}", options.explain,
+                                                 sequence.frames() - 1));
+    OutputFolder output(options.output, options.common.force);
+    print_labels(scene.tracking.tracker, options.common.quiet);
+
+    TrackWriter writer;
+    std::unique_ptr<VideoWriter> video;
+    const int frames = options.explain >= 0 ? options.explain + 1 : sequence.frames();
+    ProgressMeter meter("track", frames, options.common.quiet);
+    tracker::TrackerState before;
+    for (int i = 0; i < frames; ++i) {
+        const tracker::StereoFrame frame = sequence.frame(i);
+        before = tracker->state();
+        const tracker::TrackResult& result = tracker->track(frame);
+        writer.add(result);
+        writer.add_state(tracker->state());
+        writer.add_timings(tracker->timings());
+        if (options.overlay) {
+            Overlay overlay{&result.estimate, result.control_points, nullptr,
+                            fmt::format("{:06d} {}", i, scenes::to_string(result.estimate.status))};
+            const cv::Mat picture = draw_stereo_overlay(frame.left, frame.right, sequence.rig(), overlay);
+            fs::create_directories(output.path() / "overlay");
+            write_png(output.path() / "overlay" / fmt::format("{:06d}.png", i), picture);
+            const double fps = sequence.frames() > 1 ? 1.0 / (sequence.time_s(1) - sequence.time_s(0)) : 30.0;
+            if (!video)
+                video = std::make_unique<VideoWriter>(output.path() / "overlay.mp4", picture.size(), fps);
+            video->add(picture);
+        }
+        meter.advance();
+    }
+    if (video) video->close();
+    if (options.explain >= 0)
+        explain_frame(*tracker, before, sequence, options.explain, output.path() / "explain");
+    writer.write(output.path(), track_meta(sequence, scene));
+    output.commit();
+    return kDone;
+}
+
+}  // namespace
+
+void add_track_command(CLI::App& program, Command& chosen) {
+    CLI::App* app = program.add_subcommand("track", "tracks the thread in a recorded or generated sequence");
+    const auto options = std::make_shared<TrackOptions>();
+    app->add_option("SEQUENCE", options->sequence, "folder with calib/stereo.yaml, left/, right/")
+        ->required();
+    app->add_option("-o,--output", options->output, "folder of the track")->required();
+    app->add_option("--method", options->method, "e1, e2: the paper's; refined: to the images' limit")
+        ->check(CLI::IsMember({"e1", "e2", "refined"}));
+    app->add_option("--config", options->config,
+                    "scene file whose `tracker` section to use (default: the sequence's scene.yaml)");
+    app->add_flag("--overlay", options->overlay, "pictures with the curve drawn in, and overlay.mp4");
+    app->add_option("--explain", options->explain, "write every step of this frame as pictures and tables")
+        ->type_name("FRAME");
+    add_common_options(*app, options->common);
+    app->footer("Example: atropos track results/data/sequence_000000 -o results/track --method e2 --overlay");
+    app->callback([&chosen, options] { chosen = [options] { return track(*options); }; });
+}
+
+}  // namespace atropos::experiments
