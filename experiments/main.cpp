@@ -43,6 +43,7 @@ int parse_and_run(int argc, char** argv) {
     program.require_subcommand(1);
     program.footer("Example: atropos info --cameras\n`atropos COMMAND --help` tells more.");
     Command chosen;
+    add_run_command(program, chosen);
     add_generate_command(program, chosen);
     add_render_command(program, chosen);
     add_track_command(program, chosen);

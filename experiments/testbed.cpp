@@ -12,6 +12,8 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 namespace {
 
+// Fills the view of the camera, which looks down at 45 degrees from +y, up to its upper edge.
+constexpr double kTissueX_m = 0.25, kTissueY_m = 0.16, kTissueShift_m = -0.045;
 constexpr double kTail_m = 0.004;  ///< of thread beyond each grip, drawn and not judged
 
 double working_distance_m(const scenes::CameraConfig& camera) {
@@ -63,7 +65,7 @@ Testbed::Testbed(const scenes::SceneConfig& scene) : scene_(scene), rig_(scenes:
                                : robot::default_layout(working_distance_m(scene.camera));
     tree_ = robot::frame_tree(layout, rig_);
     X_WC_ = tree_.pose("W", "C");
-    motion_ = make_grip_motion(scene_);
+    motion_ = make_grip_motion(scene_, X_WC_);
     build_arms(layout);
     build_world();
 }
@@ -74,6 +76,8 @@ void Testbed::build_arms(const robot::Layout& layout) {
     const std::array<const scenes::ArmConfig*, kArms> configs = {&scene_.arms.psm1, &scene_.arms.psm2,
                                                                  &scene_.arms.psm3};
     const std::array<Isometry3d, 2> X_WG = motion_->X_WG(0.0);
+    if (configs[0]->holds != "start" || configs[1]->holds != "end" || configs[2]->holds != "nothing")
+        throw std::invalid_argument("arms: expected PSM1 to hold the start, PSM2 the end, PSM3 nothing");
     for (size_t i = 0; i < kArms; ++i) {
         robot::ArmPlacement placement = layout.arm("PSM" + std::to_string(i + 1));
         placement.tool = configs[i]->tool;
@@ -101,6 +105,8 @@ void Testbed::build_world() {
     if (scene_.tissue.preset != "none") {
         render::TissueOptions options;
         options.preset = scene_.tissue.preset == "organ" ? "tissue" : scene_.tissue.preset;
+        options.size_x_m = kTissueX_m;
+        options.size_y_m = kTissueY_m;
         tissue_ = render::make_tissue(options, scene_.seed);
         world_->add_tissue(*tissue_->mesh, X_WTissue());
     }
@@ -142,7 +148,7 @@ void Testbed::place_instruments() {
 
 void Testbed::tick() {
     const double next_s = time_s() + robot::PsmArm::kPeriod_s;
-    const std::array<Isometry3d, 2> X_WG = motion_->X_WG(next_s * scene_.arms.time_scale);
+    const std::array<Isometry3d, 2> X_WG = motion_->X_WG(next_s);
     for (size_t i = 0; i < 2; ++i) {
         robot::RobotArm& holder = *arms_[i];
         holder.controller().servo_cp(X_WB_[i].inverse() * X_WG[i] * holder.psm().tool().X_TG.inverse());
@@ -154,7 +160,7 @@ void Testbed::tick() {
 
 Isometry3d Testbed::X_WTissue() const {
     Isometry3d X_WM = Isometry3d::Identity();
-    X_WM.translation().z() = -scene_.tissue.depth_m;
+    X_WM.translation() = Vector3d(0.0, kTissueShift_m, -scene_.tissue.depth_m);
     return X_WM;
 }
 

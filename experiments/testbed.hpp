@@ -75,7 +75,7 @@ class Testbed {
 };
 
 /// The motion that a scene asks of its two holding arms.
-std::unique_ptr<GripMotion> make_grip_motion(const scenes::SceneConfig& scene);
+std::unique_ptr<GripMotion> make_grip_motion(const scenes::SceneConfig& scene, const Eigen::Isometry3d& X_WC);
 
 /// The thread's options from the scene's keys: a material by name, each figure replaceable.
 sim::ThreadOptions thread_options(const scenes::ThreadConfig& config);

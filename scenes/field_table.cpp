@@ -56,10 +56,8 @@ void visit_arm(FieldVisitor& v, std::string_view name, ArmConfig& c) {
         v.text({"tool", "instrument"}, c.tool,
                {"large_needle_driver", "mega_needle_driver", "prograsp", "curved_scissors",
                 "round_tip_scissors"});
-        v.text({"motion", "what moves the arm"}, c.motion,
-               {"hold", "manipulate", "grasp_middle", "pull_knot", "park", "scissors", "replay"});
+        v.text({"motion", "what moves the arm"}, c.motion, {"hold", "manipulate", "scissors"});
         v.text({"holds", "what its jaws hold at the start"}, c.holds, {"start", "end", "nothing"});
-        v.path({"recording", "joint recording for motion: replay"}, c.recording);
     });
 }
 
@@ -140,6 +138,21 @@ void visit_tracker(FieldVisitor& v, TrackingConfig& c) {
     v.number({"lambda1_e2", "length, eq. 15"}, t.lambda1_e2, {0.0, 1e6});
     v.number({"lambda_stereo", "2D parameterisation: squared epipolar distance"}, t.lambda_stereo,
              {0.0, 1e6});
+    v.section({"refined", "the continuous refinement"}, [&] {
+        v.integer({"K", "control points"}, t.refined.control_points, 4, 64);
+        v.integer({"samples", "places along the curve that are measured in each eye"}, t.refined.samples, 8,
+                  1000);
+        v.number({"search_px", "across the predicted curve, at 640 wide"}, t.refined.search_px, {2.0, 100.0});
+        v.number({"contrast_levels", "grey levels a thread is darker than both sides, at least"},
+                 t.refined.contrast_levels, {0.1, 255.0});
+        v.number({"blur_px", "standard deviation of optics and pixel"}, t.refined.blur_px, {0.1, 10.0});
+        v.number({"length_sigma_mm", "of a known length"}, t.refined.length_sigma_m, positive(50.0));
+        v.number({"tip_sigma_mm", "of measured ends"}, t.refined.tip_sigma_m, positive(50.0));
+        v.number({"instrument_sigma_mm", "of measured instruments"}, t.refined.instrument_sigma_m,
+                 {0.0, 50.0});
+        v.integer({"coasting_frames", "unseen for longer: lost"}, t.refined.coasting_frames, 0, 100000);
+        v.flag({"recovery", "discrete search after a failed loss test"}, t.refined.recovery);
+    });
     v.section({"end", "the soft ends of eq. 19"}, [&] {
         v.number({"epsilon_mm", "free distance"}, t.tips.epsilon_m, {0.0, 50.0});
         v.number({"weight_per_m", "px at 640 wide, per m"}, t.tips.weight_per_m, {0.0, 1e7});

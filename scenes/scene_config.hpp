@@ -44,17 +44,16 @@ enum class ArmAccuracy { kPerfect, kCalibrated, kUncalibrated, kAsRecorded };
 
 struct ArmConfig {
     std::string tool;
-    std::string motion;  ///< hold | manipulate | park | scissors | replay
-    std::string holds;   ///< start | end | middle | nothing
-    std::string recording;
+    std::string motion;  ///< hold | manipulate | scissors
+    std::string holds;   ///< start | end | nothing
 };
 
 struct ArmsConfig {
     ArmAccuracy accuracy = ArmAccuracy::kCalibrated;
     std::string layout = "default";
-    ArmConfig psm1{"large_needle_driver", "manipulate", "start", ""};
-    ArmConfig psm2{"large_needle_driver", "manipulate", "end", ""};
-    ArmConfig psm3{"round_tip_scissors", "scissors", "nothing", ""};
+    ArmConfig psm1{"large_needle_driver", "manipulate", "start"};
+    ArmConfig psm2{"large_needle_driver", "manipulate", "end"};
+    ArmConfig psm3{"round_tip_scissors", "scissors", "nothing"};
     double speed_m_s = 0.015;    ///< wanted mean speed of the thread's middle
     double amplitude_m = 0.010;  ///< reach of the random motion
     double time_scale = 1.0;     ///< > 1: the arms truly move that much faster

@@ -78,16 +78,16 @@ struct TrackerConfig {
         double weight_per_m = 20000.0;  ///< px at 640 per m
     } tips;
 
-    /// The continuous refinement (method kRefined); shares `thread`, `labels` and `cost_image` with the paper's
-    /// methods, which find the curve again when it is lost.
+    /// The continuous refinement (method kRefined); shares `thread`, `labels` and `cost_image` with the
+    /// paper's methods, which find the curve again when it is lost.
     struct Refined {
         int control_points = 16;
-        int samples = 80;                    ///< places along the curve that are measured in each eye
-        double search_px = 12.0;             ///< across the predicted curve, at 640
-        double contrast_levels = 4.0;        ///< grey levels a thread is darker than both of its sides, at least
-        double blur_px = 0.65;               ///< standard deviation of optics and pixel
-        double length_sigma_m = 0.0002;      ///< of a known `thread.length_m`
-        double tip_sigma_m = 0.0005;         ///< of measured ends
+        int samples = 80;                ///< places along the curve that are measured in each eye
+        double search_px = 12.0;         ///< across the predicted curve, at 640
+        double contrast_levels = 4.0;    ///< grey levels a thread is darker than both of its sides, at least
+        double blur_px = 0.65;           ///< standard deviation of optics and pixel
+        double length_sigma_m = 0.0002;  ///< of a known `thread.length_m`
+        double tip_sigma_m = 0.0005;     ///< of measured ends
         double instrument_sigma_m = 0.0007;  ///< of measured instruments: they are taken for two sigma larger
         int coasting_frames = 30;            ///< unseen for longer: lost
         bool recovery = true;                ///< discrete search after a failed loss test
