@@ -248,16 +248,24 @@ void CollisionScene::set_thread(const ThreadState& state, double radius_m) {
     }
 }
 
-void CollisionScene::step(double dt_s, const std::function<void()>& advance) {
+void CollisionScene::begin_step() {
     // Points cached from earlier ticks would carry old normals; only this tick's closest points count.
     for (int i = 0; i < impl_->dispatcher.getNumManifolds(); ++i)
         impl_->dispatcher.getManifoldByIndexInternal(i)->clearManifold();
-    impl_->action.advance = &advance;
-    impl_->world.stepSimulation(dt_s, 0);
-    impl_->action.advance = nullptr;
+}
+
+void CollisionScene::end_step() {
     for (auto& body : impl_->bodies)
         for (auto& object : body->objects)
             if (object->placed) object->before = object->object->getWorldTransform();
+}
+
+void CollisionScene::step(double dt_s, const std::function<void()>& advance) {
+    begin_step();
+    impl_->action.advance = &advance;
+    impl_->world.stepSimulation(dt_s, 0);
+    impl_->action.advance = nullptr;
+    end_step();
 }
 
 std::vector<SurfaceContact> CollisionScene::thread_contacts(double dt_s) const {

@@ -39,6 +39,10 @@ class CollisionScene {
     /// One tick of the Bullet world; `advance` is called when the contacts of this tick are known.
     void step(double dt_s, const std::function<void()>& advance);
 
+    /// The same in two halves, for a thread that Bullet itself steps in between.
+    void begin_step();
+    void end_step();
+
     /// Contacts of the thread in this tick, in a fixed order. Normals point to the thread.
     std::vector<SurfaceContact> thread_contacts(double dt_s) const;
     std::vector<BodyOverlap> overlaps() const;

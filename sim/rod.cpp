@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kMaxHalvings = 7;  // of a step in which thread came through thread
 constexpr int kMaxLineSearch = 12;
+constexpr double kDeepest = 0.955;       // diameters two axes may come near before the step is halved
 constexpr double kContactMargin = 0.35;  // diameters at which a pair of edges becomes a contact
 
 size_t at(int i) {
@@ -201,7 +202,7 @@ bool Rod::came_through_itself(const Substep& sub) const {
     const double d = parameters_.diameter_m;
     for (const EdgePair& pair : self_contact_.near_pairs()) {
         const EdgeApproach before = edge_approach(sub.x_start, pair), after = edge_approach(x_, pair);
-        if (after.distance_m < 0.9 * d && after.distance_m < before.distance_m) return true;
+        if (after.distance_m < kDeepest * d && after.distance_m < before.distance_m) return true;
         if (before.from_b_to_a.dot(after.from_b_to_a) < 0.0 && before.distance_m < 3 * d &&
             after.distance_m < 3 * d)
             return true;

@@ -55,11 +55,15 @@ class Rod final : public ThreadDynamics {
 
     const RodReport& report() const { return report_; }
     RodParameters& parameters() { return parameters_; }
+    const RodParameters& parameters() const { return parameters_; }
 
     /// Kinetic, stretching, bending, twisting and gravity energy, J.
     double energy_J(const Boundary& boundary) const;
     /// Twist of a held stretch at nodes `x`, on the branch nearest `span.twist_rad`.
     double twist_at(const TwistSpan& span, const std::vector<Eigen::Vector3d>& x) const;
+    /// Its derivative by the nodes, 1/m.
+    std::vector<Eigen::Vector3d> twist_gradient(const TwistSpan& span,
+                                                const std::vector<Eigen::Vector3d>& x) const;
     double mass_kg() const;
     Eigen::Vector3d momentum_kg_m_s() const;
 

@@ -174,19 +174,27 @@ void Rod::add_elastic_terms(bool with_hessian) {
     }
 }
 
+std::vector<Vector3d> Rod::twist_gradient(const TwistSpan& span, const std::vector<Vector3d>& x) const {
+    std::vector<Vector3d> result(x.size(), Vector3d::Zero());
+    for (int i = span.first_edge + 1; i <= span.last_edge; ++i) {
+        // The angle by which parallel transport turns, by the nodes (Bergou et al. 2008, eq. 9).
+        const Vector3d e0 = x[at(i)] - x[at(i) - 1], e1 = x[at(i) + 1] - x[at(i)];
+        const double n0 = e0.norm(), n1 = e1.norm();
+        const Vector3d kb = 2.0 * e0.cross(e1) / (n0 * n1 + e0.dot(e1));
+        const Vector3d by_first = -kb / (2.0 * n0), by_last = kb / (2.0 * n1);
+        result[at(i) - 1] += by_first;
+        result[at(i)] -= by_first + by_last;
+        result[at(i) + 1] += by_last;
+    }
+    return result;
+}
+
 void Rod::add_twist_gradient(const Substep& sub) {
     for (const TwistSpan& span : sub.boundary->twists) {
         const double torque = parameters_.GJ_N_m2 / span_length_m(span) * twist_at(span, x_);
-        for (int i = span.first_edge + 1; i <= span.last_edge; ++i) {
-            // The angle by which parallel transport turns, by the nodes (Bergou et al. 2008, eq. 9).
-            const Vector3d e0 = x_[at(i)] - x_[at(i) - 1], e1 = x_[at(i) + 1] - x_[at(i)];
-            const double n0 = e0.norm(), n1 = e1.norm();
-            const Vector3d kb = 2.0 * e0.cross(e1) / (n0 * n1 + e0.dot(e1));
-            const Vector3d by_first = torque / (2.0 * n0) * kb, by_last = -torque / (2.0 * n1) * kb;
-            gradient_.segment<3>(3 * i - 3) += by_first;
-            gradient_.segment<3>(3 * i) -= by_first + by_last;
-            gradient_.segment<3>(3 * i + 3) += by_last;
-        }
+        const std::vector<Vector3d> gradient = twist_gradient(span, x_);
+        for (int i = span.first_edge; i <= span.last_edge + 1; ++i)
+            gradient_.segment<3>(3 * i) += torque * gradient[at(i)];
     }
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "sim/bullet_rope.hpp"
 #include "sim/collision_scene.hpp"
 #include "sim/rod.hpp"
 #include "sim/thread_grips.hpp"
@@ -38,6 +39,36 @@ struct Instrument {
     bool over_force_limit = false;
 };
 
+double linear_density_kg_m(const ThreadOptions& options) {
+    return options.material.density_kg_m3 * std::numbers::pi * options.diameter_m * options.diameter_m / 4.0;
+}
+
+RodParameters rod_parameters(const ThreadOptions& options, const WorldOptions& world) {
+    RodParameters p;
+    const ThreadMaterial& m = options.material;
+    p.EA_N = m.EA_N;
+    p.EI_N_m2 = m.EI_N_m2;
+    p.GJ_N_m2 = m.GJ_N_m2;
+    p.linear_density_kg_m = linear_density_kg_m(options);
+    p.diameter_m = options.diameter_m;
+    p.drag_N_s_m2 = options.air_drag_N_s_m2;
+    p.self_friction = m.self_friction;
+    p.self_contact = options.self_contact;
+    p.gravity_W_m_s2 = world.gravity_W_m_s2;
+    p.surface_stiffness_N_m = options.surface_stiffness_N_m;
+    return p;
+}
+
+BulletRopeParameters rope_parameters(const ThreadOptions& options) {
+    BulletRopeParameters p;
+    p.mass_kg = linear_density_kg_m(options) * options.length_m;
+    p.radius_m = 0.5 * options.diameter_m;
+    p.EA_N = options.material.EA_N;
+    p.air_drag_N_s_m2 = options.air_drag_N_s_m2;
+    p.iterations = options.soft_iterations;
+    return p;
+}
+
 struct Surface {
     int body;
     TissueOptions options;
@@ -53,7 +84,8 @@ struct World::Impl {
     std::map<int, int> instrument_of_body;
     ThreadOptions thread_options;
     std::unique_ptr<ThreadDynamics> thread;
-    Rod* rod = nullptr;
+    Rod* rod = nullptr;  // the one of these two that `thread` is
+    BulletRope* rope = nullptr;
     ThreadGrips grips;
     std::vector<Event> events;
     std::map<std::pair<int, int>, double> overlapping;  // bodies that overlap, and since when
@@ -95,6 +127,8 @@ struct World::Impl {
     }
 
     void tick(double dt_s);
+    void remember_wedges();
+    double fastest_m_s() const;
     std::vector<SurfaceContact> contacts(double dt_s) const;
     bool hidden(const SurfaceContact& contact) const;
     void note_forces(const std::vector<SurfaceContact>& contacts);
@@ -179,24 +213,18 @@ void World::add_thread(const scenes::Polyline& initial, const ThreadOptions& opt
     const double length = options.length_m > 0.0 ? options.length_m : initial.length_m();
     for (size_t i = 0; i < state.s_m.size(); ++i) state.s_m[i] = length * double(i) / options.edges;
 
-    RodParameters p;
-    const ThreadMaterial& m = options.material;
-    const double radius = 0.5 * options.diameter_m;
-    p.EA_N = m.EA_N;
-    p.EI_N_m2 = m.EI_N_m2;
-    p.GJ_N_m2 = m.GJ_N_m2;
-    p.linear_density_kg_m = m.density_kg_m3 * std::numbers::pi * radius * radius;
-    p.diameter_m = options.diameter_m;
-    p.drag_N_s_m2 = options.air_drag_N_s_m2;
-    p.self_friction = m.self_friction;
-    p.self_contact = options.self_contact;
-    p.gravity_W_m_s2 = impl_->options.gravity_W_m_s2;
-    p.surface_stiffness_N_m = options.surface_stiffness_N_m;
     impl_->thread_options = options;
     impl_->thread_options.length_m = length;
-    auto rod = std::make_unique<Rod>(std::move(state), p);
-    impl_->rod = rod.get();
-    impl_->thread = std::move(rod);
+    if (options.model == ThreadModel::kBulletSoft) {
+        auto rope = std::make_unique<BulletRope>(std::move(state), rope_parameters(impl_->thread_options),
+                                                 impl_->scene.world());
+        impl_->rope = rope.get();
+        impl_->thread = std::move(rope);
+    } else {
+        auto rod = std::make_unique<Rod>(std::move(state), rod_parameters(options, impl_->options));
+        impl_->rod = rod.get();
+        impl_->thread = std::move(rod);
+    }
 }
 
 void World::hold(int index, double s_m, const Vector3d& tangent_G) {
@@ -273,6 +301,16 @@ std::vector<SurfaceContact> World::Impl::contacts(double dt_s) const {
 }
 
 void World::Impl::tick(double dt_s) {
+    if (rope) {
+        std::vector<SurfaceContact> none;
+        Boundary boundary = grips.boundary(thread->state());
+        scene.begin_step();
+        rope->step(dt_s, boundary, none);
+        scene.end_step();
+        grips.measure(*thread, boundary);
+        remember_wedges();
+        return;
+    }
     if (thread) scene.set_thread(thread->state(), radius_m());
     scene.step(dt_s, [&] {
         if (!thread) return;
@@ -284,9 +322,13 @@ void World::Impl::tick(double dt_s) {
         grips.measure(*thread, boundary);
         note_forces(found);
     });
-    for (size_t i = 0; i < instruments.size(); ++i) {
-        instruments[i].jaws_before = instruments[i].jaws;
-        instruments[i].blades_before = instruments[i].blades;
+    remember_wedges();
+}
+
+void World::Impl::remember_wedges() {
+    for (Instrument& n : instruments) {
+        n.jaws_before = n.jaws;
+        n.blades_before = n.blades;
     }
 }
 
@@ -417,33 +459,37 @@ void World::Impl::note_collisions() {
     overlapping = std::move(now);
 }
 
+double World::Impl::fastest_m_s() const {
+    double speed = 0.0;
+    for (const Vector3d& v : thread->state().v_W) speed = std::max(speed, v.norm());
+    return speed;
+}
+
 double World::settle(double limit_s) {
     Impl& w = *impl_;
     if (!w.thread) throw std::logic_error("World::settle: needs a thread");
-    const auto fastest = [&] {
-        double speed = 0.0;
-        for (const Vector3d& v : w.thread->state().v_W) speed = std::max(speed, v.norm());
-        return speed;
-    };
-    if (w.rod) {
+    double spent = 0.0;
+    if (w.rope) {
+        w.rope->set_damping(0.02);
+        for (; spent < limit_s && (spent < 0.3 || w.fastest_m_s() > 1e-4); spent += 1e-3) w.tick(1e-3);
+        w.rope->set_damping(0.0);
+    } else {
         const RodParameters parameters = w.rod->parameters();
-        // A strained first guess is let down slowly: drag of 2e-2 N s/m2 keeps it under 0.1 m/s.
-        w.rod->parameters().drag_N_s_m2 = 2e-2;
-        double spent = 0.0;
+        RodParameters& p = w.rod->parameters();
+        p.drag_N_s_m2 = 2e-2;  // a strained first guess is let down slowly, under 0.1 m/s
         for (; spent < std::min(0.3, limit_s); spent += 1e-3) w.tick(1e-3);
-        // Then about critical drag; long steps while nothing is near.
-        w.rod->parameters().drag_N_s_m2 = 2e-3;
-        w.rod->parameters().tolerance_m = 1e-10;
-        while (spent < limit_s && fastest() > 1e-6) {
+        p.drag_N_s_m2 = 2e-3;  // then about critical drag, in long steps while nothing is near
+        p.tolerance_m = 1e-10;
+        while (spent < limit_s && w.fastest_m_s() > 1e-6) {
             const bool free = !w.any_contact && w.rod->report().self_contacts == 0;
-            w.rod->parameters().max_newton = free ? 50 : parameters.max_newton;
+            p.max_newton = free ? 50 : parameters.max_newton;
             const double dt = free ? 1e-2 : 1e-3;
             w.tick(dt);
             spent += dt;
         }
-        w.rod->parameters() = parameters;
+        p = parameters;
     }
-    const double speed = fastest();
+    const double speed = w.fastest_m_s();
     ThreadState state = w.thread->state();
     for (Vector3d& v : state.v_W) v.setZero();
     w.thread->set_state(state);

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "sim/derived_physics.hpp"
 #include "tests/sim/world_support.hpp"
 
 namespace atropos::sim {
@@ -60,6 +62,38 @@ TEST(World, cuts_the_thread_where_the_blades_meet_it) {
     EXPECT_LT(truth.strands[0].p_W.back().z(), -0.003);
     EXPECT_GT((truth.strands[0].p_W.back() - truth.strands[1].p_W.front()).norm(), 0.004);
     EXPECT_FALSE(truth.span.intact);
+}
+
+TEST(World, swaps_the_rod_for_the_soft_rope_of_bullet) {
+    ThreadOptions options;
+    options.model = ThreadModel::kBulletSoft;
+    HeldThread held(0.05, 0.07, options);
+    const ThreadTruth before = held.world.thread();
+    EXPECT_LT(before.sample(0, 0.035).z(), -0.01);
+    EXPECT_GT(before.sample(0, 0.035).z(), -0.03);
+    const Eigen::Isometry3d X_WS = HeldThread::frame(before.sample(0, 0.04));
+    for (int i = 0; i <= 60; ++i) {
+        held.world.set_blades(2, X_WS, 0.6 * (1.0 - i / 60.0));
+        held.world.step();
+    }
+    ASSERT_EQ(held.world.thread().strands.size(), 2u);
+    EXPECT_NEAR(held.world.events().back().s_m, 0.04, 3e-4);
+}
+
+TEST(DerivedPhysics, fits_bending_stiffness_to_a_sag) {
+    const double density = 6.6e-5;
+    for (const double EI : {1e-9, 1e-8, 3e-7})
+        EXPECT_NEAR(fit_sag_EI(0.07, cantilever_sag_m(0.07, EI, density), density) / EI, 1.0, 1e-6);
+    // Small sag: w L^4 / 8 EI.
+    EXPECT_NEAR(cantilever_sag_m(0.07, 1e-5, density), density * 9.81 * std::pow(0.07, 4) / 8e-5, 1e-8);
+    EXPECT_THROW(fit_sag_EI(0.07, 0.08, density), std::invalid_argument);
+}
+
+TEST(DerivedPhysics, knows_the_gravity_bending_length) {
+    const DerivedPhysics p = derived_physics(ThreadOptions{});
+    EXPECT_NEAR(p.gravity_bending_length_m, 0.025, 1e-3);
+    EXPECT_NEAR(p.strain_at_1_N, 0.002342, 2e-5);
+    EXPECT_FALSE(p.warnings.empty());
 }
 
 }  // namespace
