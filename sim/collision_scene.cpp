@@ -269,7 +269,7 @@ void CollisionScene::step(double dt_s, const std::function<void()>& advance) {
 }
 
 std::vector<SurfaceContact> CollisionScene::thread_contacts(double dt_s) const {
-    std::vector<SurfaceContact> contacts;
+    std::vector<SurfaceContact> faces, rims;  // on the inside of a triangle, and on its edges and corners
     for (int i = 0; i < impl_->dispatcher.getNumManifolds(); ++i) {
         const btPersistentManifold& manifold = *impl_->dispatcher.getManifoldByIndexInternal(i);
         const bool thread_first = manifold.getBody0()->getUserIndex() == kThreadIndex;
@@ -285,11 +285,16 @@ std::vector<SurfaceContact> CollisionScene::thread_contacts(double dt_s) const {
             const btVector3& surface =
                 thread_first ? point.getPositionWorldOnB() : point.getPositionWorldOnA();
             contact.p_surface_W = to_metres(surface);
-            if (body.is_tissue) {  // a thread pressed through the surface must come back out on the front
+            if (!contact.normal_W.allFinite() || std::abs(contact.normal_W.norm() - 1.0) > 1e-3) continue;
+            bool on_face = true;
+            if (body.is_tissue) {
                 const int triangle = thread_first ? point.m_index1 : point.m_index0;
                 const Eigen::Vector3d& front =
                     body.mesh.normals_W[static_cast<size_t>(std::max(triangle, 0))];
-                if (contact.normal_W.dot(front) < 0.0) contact.normal_W = front;
+                const double facing = contact.normal_W.dot(front);
+                // A thread pressed through the surface must come back out on the front.
+                if (facing < 0.0 || facing > 0.999) contact.normal_W = front;
+                on_face = facing < 0.0 || facing > 0.999;
             }
             const btTransform& pose = edge.object->getWorldTransform();
             const double half = edge.capsule->getHalfHeight();
@@ -298,8 +303,18 @@ std::vector<SurfaceContact> CollisionScene::thread_contacts(double dt_s) const {
             contact.v_surface_W = impl_->surface_velocity(other, surface, dt_s);
             contact.friction = body.friction;
             contact.body = other.body;
-            contacts.push_back(contact);
+            (on_face ? faces : rims).push_back(contact);
         }
+    }
+    // The rim of a triangle next to the one that is touched is no edge of the surface: its slanting normal
+    // would push the thread sideways on a plane.
+    std::vector<SurfaceContact> contacts = faces;
+    for (const SurfaceContact& rim : rims) {
+        const bool inner = std::any_of(faces.begin(), faces.end(), [&](const SurfaceContact& face) {
+            return face.body == rim.body && std::abs(face.edge - rim.edge) <= 1 &&
+                   std::abs(face.normal_W.dot(rim.p_surface_W - face.p_surface_W)) < 1e-5;
+        });
+        if (!inner) contacts.push_back(rim);
     }
     std::sort(contacts.begin(), contacts.end(), [](const SurfaceContact& a, const SurfaceContact& b) {
         return std::tuple(a.edge, a.body, a.t, a.p_surface_W.x(), a.p_surface_W.y(), a.p_surface_W.z()) <

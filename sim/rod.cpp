@@ -36,6 +36,7 @@ void Rod::set_state(const ThreadState& state) {
     set_masses();
     pull_N_.assign(state_.p_W.size(), Vector3d::Zero());
     self_contact_.clear();
+    past_contacts_.clear();
 }
 
 void Rod::cut(int edge, double t) {
@@ -43,6 +44,7 @@ void Rod::cut(int edge, double t) {
     set_masses();
     pull_N_.assign(state_.p_W.size(), Vector3d::Zero());
     self_contact_.clear();
+    past_contacts_.clear();
 }
 
 void Rod::set_masses() {
@@ -119,7 +121,8 @@ void Rod::step(double dt_s, Boundary& boundary, std::vector<SurfaceContact>& con
                                                  sub.multiplier_force.segment<3>(3 * static_cast<int>(i)))
                                       : Vector3d::Zero();
         }
-        for (size_t c = 0; c < contacts.size(); ++c) impulse[c] += sub.h * sub.lagged_normal_N[c];
+        remember_contacts(sub);
+        for (size_t c = 0; c < contacts.size(); ++c) impulse[c] += sub.h * past_contacts_[c].normal_N;
         done += sub.h;
     }
     for (size_t c = 0; c < contacts.size(); ++c) contacts[c].normal_force_N = impulse[c] / dt_s;
@@ -137,13 +140,16 @@ bool Rod::advance(Substep& sub) {
     }
     self_contact_.begin_step(near);
 
+    lag_friction(sub);
     bool converged = false;
     for (int iteration = 0;; ++iteration) {
         const bool touching = !near.empty() && self_contact_.count() > 0;
-        const int most = touching ? parameters_.max_newton_in_contact : parameters_.max_newton;
+        const int most = touching ? parameters_.max_newton_in_contact
+                         : sub.contacts.empty()
+                             ? parameters_.max_newton
+                             : std::max(parameters_.max_newton, parameters_.max_newton_on_surface);
         if (iteration >= most || converged) break;
         ++report_.newton_iterations;
-        lag_friction(sub);
         assemble(sub, true);
         for (int i = 0; i < state_.node_count(); ++i)
             if (sub.fixed[at(i)]) matrix_.fix_node(i);
@@ -161,7 +167,6 @@ bool Rod::advance(Substep& sub) {
     }
     report_.converged = converged;
     report_.self_contacts = near.empty() ? 0 : self_contact_.count();
-    lag_friction(sub);
     assemble(sub, false);
     for (TwistSpan& span : sub.boundary->twists) span.twist_rad = twist_at(span, x_);
     return gradient_.allFinite();

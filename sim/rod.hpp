@@ -20,9 +20,10 @@ struct RodParameters {
     double self_friction = 0.3;
     bool self_contact = true;
     Eigen::Vector3d gravity_W_m_s2{0.0, 0.0, -9.81};
-    int max_newton = 10;            ///< a step
-    double tolerance_m = 1e-8;      ///< largest movement of a node in the last Newton iteration
-    int max_newton_in_contact = 3;  ///< the same two while the thread touches itself
+    int max_newton = 10;             ///< a step
+    double tolerance_m = 1e-8;       ///< largest movement of a node in the last Newton iteration
+    int max_newton_on_surface = 30;  ///< while a body is near: friction turns corners
+    int max_newton_in_contact = 3;   ///< the same two while the thread touches itself
     double contact_tolerance_m = 1e-6;
     double surface_stiffness_N_m = 5e4;  ///< of one contact with a body
     double friction_speed_m_s =
@@ -84,7 +85,8 @@ class Rod final : public ThreadDynamics {
     double node_drag(size_t i) const {
         return parameters_.drag_N_s_m2 * mass_kg_[i] / parameters_.linear_density_kg_m;
     }
-    void lag_friction(Substep& sub);
+    void lag_friction(Substep& sub) const;
+    void remember_contacts(const Substep& sub);
     bool search_line(const Substep& sub, double slope, const Eigen::VectorXd& multiplier_force);
     void solve_self_contacts(Substep& sub, Eigen::VectorXd& multiplier_force);
     bool came_through_itself(const Substep& sub) const;
@@ -98,6 +100,11 @@ class Rod final : public ThreadDynamics {
     BandedLdlt matrix_;
     SelfContactSolver self_contact_;
     std::vector<Eigen::Vector3d> pull_N_;
+    struct PastContact {
+        int edge, body;
+        double normal_N;
+    };
+    std::vector<PastContact> past_contacts_;  // of the last step, one for each of its surface contacts
 };
 
 }  // namespace atropos::sim

@@ -111,10 +111,26 @@ double Rod::potential(const Substep& sub, const std::vector<Vector3d>& x) const 
     return sum;
 }
 
-void Rod::lag_friction(Substep& sub) {
+void Rod::lag_friction(Substep& sub) const {
+    // Friction goes by the normal forces of the last step, so that it stays a fixed convex potential in this
+    // one.
     for (size_t k = 0; k < sub.contacts.size(); ++k) {
-        const ContactPoint point(sub.contacts[k], x_, sub.x_start, sub.h, 0.5 * parameters_.diameter_m);
-        sub.lagged_normal_N[k] = parameters_.surface_stiffness_N_m * std::max(0.0, -point.gap_m);
+        const SurfaceContact& c = sub.contacts[k];
+        const auto same = [&](const auto& other) { return other.edge == c.edge && other.body == c.body; };
+        const auto sharing = std::count_if(sub.contacts.begin(), sub.contacts.end(), same);
+        double before = 0.0;
+        for (const PastContact& past : past_contacts_)
+            if (same(past)) before += past.normal_N;
+        sub.lagged_normal_N[k] = before / static_cast<double>(sharing);
+    }
+}
+
+void Rod::remember_contacts(const Substep& sub) {
+    past_contacts_.clear();
+    for (const SurfaceContact& c : sub.contacts) {
+        const ContactPoint point(c, x_, sub.x_start, sub.h, 0.5 * parameters_.diameter_m);
+        past_contacts_.push_back(
+            {c.edge, c.body, parameters_.surface_stiffness_N_m * std::max(0.0, -point.gap_m)});
     }
 }
 
