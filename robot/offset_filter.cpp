@@ -1,6 +1,7 @@
 #include "robot/offset_filter.hpp"
 
 #include <Eigen/LU>
+#include <cmath>
 
 namespace atropos::robot {
 
@@ -17,8 +18,10 @@ OffsetFilter::OffsetFilter(const Options& options)
     : options_(options), P_(options.prior_sigma_m * options.prior_sigma_m * Matrix3d::Identity()) {}
 
 void OffsetFilter::travel(double way_m, double dt_s) {
-    P_.diagonal().array() += options_.wander_m_per_sqrt_m * options_.wander_m_per_sqrt_m * way_m +
-                             options_.wander_m_per_sqrt_s * options_.wander_m_per_sqrt_s * dt_s;
+    const double keep = std::exp(-(way_m + options_.creep_m_s * dt_s) / options_.forget_m);
+    offset_ *= keep;
+    P_ *= keep * keep;
+    P_.diagonal().array() += (1.0 - keep * keep) * options_.prior_sigma_m * options_.prior_sigma_m;
 }
 
 bool OffsetFilter::update(const InstrumentOffset& measured, const Vector3d& p_C) {

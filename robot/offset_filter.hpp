@@ -6,14 +6,15 @@
 
 namespace atropos::robot {
 
-/// Fuses what images say of an instrument's offset with what the calibration promised. The offset wanders as
-/// the arm moves, because cables and hand-eye rotation act differently in each pose.
+/// Fuses what images say of an instrument's offset with what the calibration promised. The offset
+/// wanders as the arm moves, because cables and hand-eye rotation act differently in each pose, but never
+/// beyond what the calibration promised (Ornstein-Uhlenbeck process over the way).
 class OffsetFilter {
   public:
     struct Options {
-        double prior_sigma_m = 0.0011;       ///< of one axis
-        double wander_m_per_sqrt_m = 0.004;  ///< sigma gained over one metre of way
-        double wander_m_per_sqrt_s = 0.0001;
+        double prior_sigma_m = 0.0011;    ///< of one axis
+        double forget_m = 0.15;           ///< way over which the offset becomes another one
+        double creep_m_s = 0.0005;        ///< standing still counts as this much way
         double floor_lateral_m = 0.0001;  ///< what averaging cannot remove
         double floor_depth_m = 0.0003;
         double max_surprise = 25.0;  ///< squared, three degrees of freedom; beyond: an outlier

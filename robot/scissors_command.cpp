@@ -116,7 +116,10 @@ void ScissorsCommand::observe_estimate(const scenes::ThreadEstimate& estimate) {
     if (!before_close() && (status_.close_time_s < 0.0 || estimate.capture_time_s > status_.close_time_s))
         return;
     arrival_s_ = now_s_;
-    tracking_ = thread_.observe(estimate) == ThreadPredictor::Verdict::kUsed;
+    const ThreadPredictor::Verdict verdict = thread_.observe(estimate);
+    tracking_ = verdict == ThreadPredictor::Verdict::kUsed;
+    if (verdict == ThreadPredictor::Verdict::kJumped && commanded_s_ < 0.0)
+        thread_.forget();  // nothing lost yet
 }
 
 void ScissorsCommand::observe_check(const CutCheck& check) {

@@ -150,12 +150,14 @@ ThreadPredictor::Verdict ThreadPredictor::observe(const scenes::ThreadEstimate& 
     const Matrix3d R = ray_covariance(p, sample.sigma_lateral_m, sample.sigma_depth_m);
     const Matrix3d wide = R + kModelSigma_m * kModelSigma_m * Matrix3d::Identity();
     const Vector3d relative = p - grips_at(now);
-    if (relative_.started() && relative_.surprise(now, relative, wide) > kMaxSurprise) {
+    if (relative_.started()) {
         const double jump = (relative - relative_.at(now).p).norm();
-        if (jumped_since_s_ < 0.0) jumped_since_s_ = now;
-        const bool believe = jump < options_.max_jump_m && now - jumped_since_s_ > kBelieveJumpAfter_s;
-        if (!believe) return refuse(Verdict::kJumped, text("the estimate jumped by %.1f mm", 1e3 * jump));
-        forget();
+        const bool surprising = relative_.surprise(now, relative, wide) > kMaxSurprise;
+        if (surprising && jumped_since_s_ < 0.0) jumped_since_s_ = now;
+        // However long the thread was out of sight, the grips tell too much for it to be elsewhere.
+        if (jump > options_.max_jump_m || (surprising && now - jumped_since_s_ <= kBelieveJumpAfter_s))
+            return refuse(Verdict::kJumped, text("the estimate jumped by %.1f mm", 1e3 * jump));
+        if (surprising) forget();
     }
     jumped_since_s_ = -1.0;
     const Vector3d chord =
