@@ -24,11 +24,14 @@ double elapsed_ms(std::chrono::steady_clock::time_point since) {
 }  // namespace
 
 RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig)
+    : RefinedTracker(config, rig, CurvePriors{.tip_sigma_m = config.refined.tip_sigma_m}) {}
+
+RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig,
+                               const CurvePriors& priors)
     : config_(config),
       rig_(rig),
       scale_(rig.left.width_px / 640.0),
-      refinement_(config.refined.control_points, config.refined.samples,
-                  CurvePriors{.tip_sigma_m = config.refined.tip_sigma_m}, rig),
+      refinement_(config.refined.control_points, config.refined.samples, priors, rig),
       filter_({.polarity = config.thread.polarity,
                .threshold_levels = config.refined.contrast_levels,
                .blur_px = config.refined.blur_px,
@@ -96,8 +99,9 @@ void RefinedTracker::predict(const StereoFrame& frame) {
     problem_.length_sigma_m = expected_length_sigma_m_;
 }
 
-void RefinedTracker::measure_eye(const StereoFrame& frame, const Fit& fit, std::size_t eye, double search_px,
-                                 bool closely) {
+void RefinedTracker::measure_eye(const StereoFrame& frame, const Fit& fit, std::size_t eye,
+                                 const Round& round) {
+    const double search_px = round.search_px * scale_;
     const scenes::Camera& camera = eye == 0 ? rig_.left : rig_.right;
     const Eigen::Vector3d eye_C =
         eye == 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(rig_.X_RC.inverse().translation());
@@ -126,8 +130,8 @@ void RefinedTracker::measure_eye(const StereoFrame& frame, const Fit& fit, std::
         line.tangent = along / speed;
         line.normal = {-line.tangent.y(), line.tangent.x()};
         widths_px_[j] = config_.thread.width_m * camera.fx_px / p.z();
-        candidates_[j].count =
-            filter_.find(images_[eye], line, search_px, widths_px_[j], candidates_[j].valleys);
+        candidates_[j].count = filter_.find(images_[eye], line, search_px, widths_px_[j],
+                                            candidates_[j].valleys, round.threshold_share);
         if (mask.empty()) continue;
         // A valley that lies on an instrument is its rim or its gloss.
         const Eigen::Matrix2d px_to_m = J_px.leftCols<2>().inverse();
@@ -145,7 +149,7 @@ void RefinedTracker::measure_eye(const StereoFrame& frame, const Fit& fit, std::
     options.search_px = search_px;
     options.jump_px = scale_ * 80.0 / static_cast<double>(samples.size());
     const std::span<const int> chosen =
-        association_.choose(candidates_, config_.refined.contrast_levels, options);
+        association_.choose(candidates_, round.threshold_share * config_.refined.contrast_levels, options);
     for (std::size_t j = 0; j < samples.size(); ++j) {
         if (chosen[j] < 0) continue;
         const Valley& valley = candidates_[j].valleys[static_cast<std::size_t>(chosen[j])];
@@ -156,7 +160,7 @@ void RefinedTracker::measure_eye(const StereoFrame& frame, const Fit& fit, std::
         m.depth_levels = valley.depth_levels;
         m.sigma_px = 0.05;
     }
-    if (closely) localise(eye);
+    if (round.closely) localise(eye);
 }
 
 // Replaces the valleys' positions by the least-squares ones, with sigmas from the image's own noise.
@@ -170,7 +174,9 @@ void RefinedTracker::localise(std::size_t eye) {
         line.p_px = m.point_px;
         ValleyFilter::Localisation found;
         if (!filter_.localise(images_[eye], line, widths_px_[j], found) ||
-            std::abs(found.offset_px) > 0.5 * widths_px_[j] + 1.0) {
+            std::abs(found.offset_px) > 0.5 * widths_px_[j] + 1.0 ||
+            found.contrast_levels <
+                std::max(config_.refined.contrast_levels, 4.0 * found.contrast_sigma_levels)) {
             m.kind = LineMeasurement::Kind::kMissing;
             continue;
         }
@@ -186,22 +192,17 @@ void RefinedTracker::localise(std::size_t eye) {
             m.sigma_px = std::hypot(m.sigma_px * *middle, kLeastSigma_px);
 }
 
-void RefinedTracker::measure(const StereoFrame& frame, const Fit& fit, double search_px, bool closely) {
-    for (std::size_t eye = 0; eye < 2; ++eye) measure_eye(frame, fit, eye, search_px, closely);
+void RefinedTracker::measure(const StereoFrame& frame, const Fit& fit, const Round& round) {
+    for (std::size_t eye = 0; eye < 2; ++eye) measure_eye(frame, fit, eye, round);
 }
 
 void RefinedTracker::refine(const StereoFrame& frame, double first_search_px, Fit& fit) {
-    struct Round {
-        double search_px, robust_px;
-        int iterations;
-        bool closely;
-    };
-    const Round rounds[] = {{first_search_px, 2.0, 3, false},
-                            {0.6 * config_.refined.search_px, 1.0, 2, false},
-                            {0.33 * config_.refined.search_px, 0.5, 2, false},
-                            {0.25 * config_.refined.search_px, 0.5, 2, true}};
+    const Round rounds[] = {{first_search_px, 2.0, 3, 1.0, false},
+                            {0.6 * config_.refined.search_px, 1.0, 2, 0.8, false},
+                            {0.33 * config_.refined.search_px, 0.5, 2, 0.5, false},
+                            {0.25 * config_.refined.search_px, 0.5, 2, 0.3, true}};
     for (const Round& round : rounds) {
-        measure(frame, fit, round.search_px * scale_, round.closely);
+        measure(frame, fit, round);
         problem_.robust_px = round.robust_px * scale_;
         refinement_.refine(problem_, round.iterations, fit.Q, fit.length_m);
     }
@@ -254,7 +255,7 @@ void RefinedTracker::try_fit(const StereoFrame& frame, const NurbsCurve& curve, 
     other_.length_m = expected_length_m_;
     problem_.expected = other_.Q;
     refine(frame, 0.6 * config_.refined.search_px, other_);
-    if (other_.quality.score() > best.quality.score())
+    if (!is_lost(other_.quality, loss_test_) && other_.quality.score() > best.quality.score())
         std::swap(best, other_);
     else
         std::swap(problem_, chosen_problem_);

@@ -20,6 +20,8 @@ namespace atropos::tracker {
 class RefinedTracker final : public StereoTracker {
   public:
     RefinedTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig);
+    RefinedTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig,
+                   const CurvePriors& priors);
     ~RefinedTracker() override;
 
     /// Takes an initial curve of any degree and number of control points.
@@ -40,14 +42,22 @@ class RefinedTracker final : public StereoTracker {
         FitQuality quality;
     };
 
+    /// One look at the images and the fit that follows; px at 640.
+    struct Round {
+        double search_px;
+        double robust_px;
+        int iterations;
+        double threshold_share;
+        bool closely;
+    };
+
     void begin(const NurbsCurve& initial);
     Eigen::Matrix3Xd control_points_of(const NurbsCurve& curve) const;
     NurbsCurve curve_of(const Eigen::Matrix3Xd& Q) const;
     void predict(const StereoFrame& frame);
     void refine(const StereoFrame& frame, double first_search_px, Fit& fit);
-    void measure(const StereoFrame& frame, const Fit& fit, double search_px, bool closely);
-    void measure_eye(const StereoFrame& frame, const Fit& fit, std::size_t eye, double search_px,
-                     bool closely);
+    void measure(const StereoFrame& frame, const Fit& fit, const Round& round);
+    void measure_eye(const StereoFrame& frame, const Fit& fit, std::size_t eye, const Round& round);
     void localise(std::size_t eye);
     void recover(const StereoFrame& frame);
     bool start_from_tips(const StereoFrame& frame);

@@ -64,18 +64,19 @@ double blurred_bar_slope(double t, double half_width, double blur) {
 }  // namespace
 
 int ValleyFilter::find(const ImageView& image, const NormalLine& line, double search_px, double width_px,
-                       std::array<Valley, kMaxValleys>& valleys) const {
+                       std::array<Valley, kMaxValleys>& valleys, double threshold_share) const {
     const double step = std::max(1.0, width_px / 4.0);
     const int smooth = std::max(1, static_cast<int>(std::lround(0.3 * width_px / step))) - (width_px < 1.5);
     const int side = std::max(smooth + 1, static_cast<int>(std::lround((0.5 * width_px + 1.2) / step)) + 1);
     const int reach = static_cast<int>(std::ceil(search_px / step));
     NormalProfile profile;
     profile.read(image, line, step, reach + side + smooth + 1, options_.taps, options_.tap_step_px);
+    const double threshold = threshold_share * options_.threshold_levels;
     int count = 0;
     if (options_.polarity != scenes::ThreadPolarity::kBright)
-        find_in(profile, 1.0f, side, smooth, reach, step, options_.threshold_levels, valleys, count);
+        find_in(profile, 1.0f, side, smooth, reach, step, threshold, valleys, count);
     if (options_.polarity != scenes::ThreadPolarity::kDark)
-        find_in(profile, -1.0f, side, smooth, reach, step, options_.threshold_levels, valleys, count);
+        find_in(profile, -1.0f, side, smooth, reach, step, threshold, valleys, count);
     return count;
 }
 
@@ -127,6 +128,7 @@ bool ValleyFilter::localise(const ImageView& image, const NormalLine& line, doub
     found.offset_px = a / A;
     found.contrast_levels = std::abs(A);
     found.noise_levels = std::sqrt(left_over / (n - 4));
+    found.contrast_sigma_levels = found.noise_levels * std::sqrt(n / even);
     found.sigma_px_per_noise_level = std::sqrt(t_t / odd) / std::abs(A);
     return true;
 }

@@ -31,8 +31,9 @@ class ValleyFilter {
 
     /// Up to kMaxValleys deepest valleys within `search_px` of the line's point, written to `valleys`;
     /// `width_px` is the thread's expected width. Returns their number; 0 also where the image ends.
+    /// `threshold_share` of the options' threshold applies.
     int find(const ImageView& image, const NormalLine& line, double search_px, double width_px,
-             std::array<Valley, kMaxValleys>& valleys) const;
+             std::array<Valley, kMaxValleys>& valleys, double threshold_share = 1.0) const;
 
     /// Least-squares position of a blurred bar on a sloped ground.
     struct Localisation {
@@ -40,6 +41,7 @@ class ValleyFilter {
         double contrast_levels = 0.0;  ///< of the bar before blur
         double noise_levels = 0.0;     ///< rms of what the model leaves over
         double sigma_px_per_noise_level = 0.0;
+        double contrast_sigma_levels = 0.0;
     };
 
     /// Bar and slope fitted around the line's point, one Gauss-Newton step: the most that the pixels can tell

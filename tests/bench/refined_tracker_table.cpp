@@ -6,10 +6,12 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
 
+#include "scenes/random_stream.hpp"
 #include "tests/support/synthetic_sequence.hpp"
 #include "tracker/refined_tracker.hpp"
 
@@ -25,6 +27,7 @@ struct Case {
     std::string name;
     SyntheticSequenceOptions options;
     int control_points = 16;
+    double mask_error_m = 0.0;  ///< of the instruments' measured poses
 };
 
 std::vector<Case> cases() {
@@ -53,7 +56,10 @@ std::vector<Case> cases() {
         c.options.arc_tilt_rad = std::numbers::pi / 2.0;
     });
     add("tips", [](Case& c) { c.options.tip_error_m = 0.003; });
-    add("occluded", [](Case& c) { c.options.occlusion_begin = 60; });
+    add("occluded", [](Case& c) {
+        c.options.occlusion_begin = 60;
+        c.mask_error_m = 0.0015;
+    });
     add("faint", [](Case& c) { c.options.contrast = 14.0; });
     return all;
 }
@@ -84,6 +90,46 @@ double distance_2d(const std::vector<Eigen::Vector2d>& line, const Eigen::Vector
     return std::sqrt(best);
 }
 
+/// One way to build the tracker.
+struct Variant {
+    std::string name;
+    tracker::CurvePriors priors;
+    scenes::TrackerConfig::Refined refined;
+};
+
+std::vector<Variant> variants(bool all) {
+    const scenes::TrackerConfig::Refined refined;
+    const tracker::CurvePriors priors{.tip_sigma_m = refined.tip_sigma_m};
+    std::vector<Variant> list{{"", priors, refined}};
+    if (!all) return list;
+    const auto add = [&](const std::string& name, auto&& change) {
+        list.push_back({name, priors, refined});
+        change(list.back());
+    };
+    add("no length", [](Variant& v) { v.priors.stretch_sigma = 1.0; });
+    add("length x0.5", [](Variant& v) { v.priors.stretch_sigma *= 0.5; });
+    add("length x2", [](Variant& v) { v.priors.stretch_sigma *= 2.0; });
+    add("no bending",
+        [](Variant& v) { v.priors.curvature_sigma_per_m = v.priors.curvature_change_sigma_per_m2 = 1e6; });
+    add("curvature x0.6", [](Variant& v) { v.priors.curvature_sigma_per_m *= 0.6; });
+    add("curvature x2", [](Variant& v) { v.priors.curvature_sigma_per_m *= 2.0; });
+    add("change x0.5", [](Variant& v) { v.priors.curvature_change_sigma_per_m2 *= 0.5; });
+    add("change x2", [](Variant& v) { v.priors.curvature_change_sigma_per_m2 *= 2.0; });
+    add("change x4 cur x.5", [](Variant& v) {
+        v.priors.curvature_change_sigma_per_m2 *= 4.0;
+        v.priors.curvature_sigma_per_m *= 0.5;
+    });
+    add("motion 3 mm", [](Variant& v) { v.priors.motion_sigma_m = 0.003; });
+    add("tips 0.1 mm", [](Variant& v) { v.priors.tip_sigma_m = 0.0001; });
+    add("tips 1 mm", [](Variant& v) { v.priors.tip_sigma_m = 0.001; });
+    add("K 12", [](Variant& v) { v.refined.control_points = 12; });
+    add("K 20", [](Variant& v) { v.refined.control_points = 20; });
+    add("no recovery", [](Variant& v) { v.refined.recovery = false; });
+    add("search 20", [](Variant& v) { v.refined.search_px = 20.0; });
+    add("contrast 3", [](Variant& v) { v.refined.contrast_levels = 3.0; });
+    return list;
+}
+
 struct Row {
     Tally error_mm, error_px, middle_mm, frame_ms, sigma_depth_mm, sigma_lateral_mm;
     Tally depth_ratio, lateral_ratio;  ///< offset over its sigma
@@ -93,25 +139,34 @@ struct Row {
 
 bool verbose = false;
 
+double mask_error_m = 0.0;
+
 double cpu_time_s() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-void run(const Case& c, std::uint64_t seed, int frames, Row& row) {
+void score(const Case& c, const support::SyntheticFrame& drawn, const tracker::RefinedTracker& tracker,
+           const scenes::ThreadEstimate& estimate, bool& failed, Row& row);
+
+void run(const Case& c, std::uint64_t seed, int frames, const std::vector<Variant>& list,
+         std::vector<Row>& rows) {
     SyntheticSequenceOptions options = c.options;
     options.seed = seed;
     const SyntheticSequence sequence(options);
-    scenes::TrackerConfig config;
-    config.method = scenes::TrackerMethod::kRefined;
-    config.refined.control_points = c.control_points;
-    config.thread.length_m = options.length_m;
-    config.thread.width_m = options.width_m;
-    tracker::RefinedTracker tracker(config, options.rig);
+    std::vector<std::unique_ptr<tracker::RefinedTracker>> trackers;
+    for (const Variant& v : list) {
+        scenes::TrackerConfig config;
+        config.method = scenes::TrackerMethod::kRefined;
+        config.refined = v.refined;
+        if (c.control_points != 16) config.refined.control_points = c.control_points;
+        config.thread.length_m = options.length_m;
+        config.thread.width_m = options.width_m;
+        trackers.push_back(std::make_unique<tracker::RefinedTracker>(config, options.rig, v.priors));
+    }
     const bool spline = options.protocol == support::Protocol::kP;
-    bool failed = false;
-    const double scale = options.rig.left.width_px / 640.0;
+    std::vector<char> failed(list.size(), 0);
     for (int i = 0; i < frames; ++i) {
         const support::SyntheticFrame drawn = sequence.frame(i);
         tracker::StereoFrame frame;
@@ -121,21 +176,52 @@ void run(const Case& c, std::uint64_t seed, int frames, Row& row) {
         frame.right = drawn.right;
         for (std::size_t end = 0; end < 2; ++end) frame.tips[end] = tracker::MeasuredTip{drawn.tips_C[end]};
         frame.instruments = drawn.instruments_C;
-        const double began_s = cpu_time_s();
-        const tracker::TrackResult& result =
-            i == 0 ? tracker.start(frame,
-                                   tracker::fit_curve(drawn.truth_C, {.control_points = spline ? 8 : 16,
-                                                                      .length_weight = spline ? 0.0 : 0.3}))
-                   : tracker.track(frame);
-        row.frame_ms.add(1e3 * (cpu_time_s() - began_s));
+        if (mask_error_m > 0.0) {
+            scenes::RandomStream random(seed, "mask error");
+            for (scenes::Capsule& capsule : frame.instruments) {
+                const Eigen::Vector3d error =
+                    mask_error_m *
+                    Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+                capsule.a += error;
+                capsule.b += error;
+            }
+        }
+        for (std::size_t v = 0; v < list.size(); ++v) {
+            tracker::RefinedTracker& tracker = *trackers[v];
+            const double began_s = cpu_time_s();
+            const tracker::TrackResult& result =
+                i == 0 ? tracker.start(
+                             frame, tracker::fit_curve(drawn.truth_C, {.control_points = spline ? 8 : 16,
+                                                                       .length_weight = spline ? 0.0 : 0.3}))
+                       : tracker.track(frame);
+            rows[v].frame_ms.add(1e3 * (cpu_time_s() - began_s));
+            bool bad = failed[v] != 0;
+            score(c, drawn, tracker, result.estimate, bad, rows[v]);
+            failed[v] = bad;
+            if (verbose)
+                std::printf("%4d %.3f mm %.3f px sup %.2f win %.2f str %.4f res %.3f vis %.2f %s\n", i,
+                            rows[v].error_mm.values.empty() ? 0.0 : rows[v].error_mm.values.back(),
+                            rows[v].error_px.values.empty() ? 0.0 : rows[v].error_px.values.back(),
+                            tracker.quality().support, tracker.quality().worst_window,
+                            tracker.quality().rms_stretch, tracker.quality().rms_residual_px,
+                            tracker.quality().visible, scenes::to_string(result.estimate.status));
+        }
+    }
+}
+
+void score(const Case& c, const support::SyntheticFrame& drawn, const tracker::RefinedTracker& tracker,
+           const scenes::ThreadEstimate& estimate, bool& failed, Row& row) {
+    const SyntheticSequenceOptions& options = c.options;
+    const double scale = options.rig.left.width_px / 640.0;
+    (void)tracker;
+    {
         ++row.frames;
-        const scenes::ThreadEstimate& estimate = result.estimate;
         if (estimate.status == TrackStatus::kLost) {
             ++row.lost;
             ++row.failures;
             if (!failed) ++row.events;
             failed = true;
-            continue;
+            return;
         }
         if (estimate.status == TrackStatus::kCoasting) ++row.coasting;
         std::vector<Eigen::Vector2d> image[2];
@@ -172,11 +258,6 @@ void run(const Case& c, std::uint64_t seed, int frames, Row& row) {
         const bool wrong = mm > 3.0 || px > 5.0;
         if (wrong && estimate.status == TrackStatus::kTracking) ++row.silent;
         (wrong ? row.bad_confidence : row.good_confidence).add(estimate.confidence);
-        if (verbose)
-            std::printf("%4d %.3f mm %.3f px sup %.2f win %.2f str %.4f res %.3f %s conf %.2f\n", i, mm, px,
-                        tracker.quality().support, tracker.quality().worst_window,
-                        tracker.quality().rms_stretch, tracker.quality().rms_residual_px,
-                        scenes::to_string(estimate.status), estimate.confidence);
     }
 }
 
@@ -187,10 +268,12 @@ double share_below(Tally& t, double limit) {
 
 int main_of(int argc, char** argv) {
     std::string wanted;
+    bool ablation = false;
     int frames = 200;
     std::uint64_t from = 101, to = 103;
     for (int i = 1; i < argc; ++i) {
         if (!std::strcmp(argv[i], "--verbose")) verbose = true;
+        if (!std::strcmp(argv[i], "--ablation")) ablation = true;
         if (i + 1 >= argc) break;
         if (!std::strcmp(argv[i], "--case")) wanted = argv[i + 1];
         if (!std::strcmp(argv[i], "--frames")) frames = std::atoi(argv[i + 1]);
@@ -205,18 +288,24 @@ int main_of(int argc, char** argv) {
         "sd mm cov1/2 depth   sl mm  cov1/2 lateral  ms   p99\n");
     for (const Case& c : cases()) {
         if (!wanted.empty() && c.name.rfind(wanted, 0) != 0) continue;
-        Row row;
-        for (std::uint64_t seed = from; seed <= to; ++seed) run(c, seed, frames, row);
-        std::printf(
-            "%-9s %6d %6.3f %6.3f %6.3f %6.3f %6.3f %5.2f %6d %4d %5d %6d %6.3f %4.1f %4.1f  %6.4f %4.1f "
-            "%4.1f  "
-            "%5.2f %5.2f\n",
-            c.name.c_str(), row.frames, row.error_mm.mean(), row.error_mm.quantile(0.95), row.error_px.mean(),
-            row.middle_mm.mean(), row.middle_mm.quantile(0.95), 100.0 * row.failures / row.frames, row.events,
-            row.lost, row.coasting, row.silent, row.sigma_depth_mm.mean(), share_below(row.depth_ratio, 1.0),
-            share_below(row.depth_ratio, 2.0), row.sigma_lateral_mm.mean(),
-            share_below(row.lateral_ratio, 1.0), share_below(row.lateral_ratio, 2.0), row.frame_ms.mean(),
-            row.frame_ms.quantile(0.99));
+        const std::vector<Variant> list = variants(ablation);
+        std::vector<Row> rows(list.size());
+        mask_error_m = c.mask_error_m;
+        for (std::uint64_t seed = from; seed <= to; ++seed) run(c, seed, frames, list, rows);
+        for (std::size_t v = 0; v < list.size(); ++v) {
+            Row& row = rows[v];
+            std::printf(
+                "%-9s %6d %6.3f %6.3f %6.3f %6.3f %6.3f %5.2f %6d %4d %5d %6d %6.3f %4.1f %4.1f  %6.4f %4.1f "
+                "%4.1f  "
+                "%5.2f %5.2f %s\n",
+                c.name.c_str(), row.frames, row.error_mm.mean(), row.error_mm.quantile(0.95),
+                row.error_px.mean(), row.middle_mm.mean(), row.middle_mm.quantile(0.95),
+                100.0 * row.failures / row.frames, row.events, row.lost, row.coasting, row.silent,
+                row.sigma_depth_mm.mean(), share_below(row.depth_ratio, 1.0),
+                share_below(row.depth_ratio, 2.0), row.sigma_lateral_mm.mean(),
+                share_below(row.lateral_ratio, 1.0), share_below(row.lateral_ratio, 2.0), row.frame_ms.mean(),
+                row.frame_ms.quantile(0.99), list[v].name.c_str());
+        }
         std::fflush(stdout);
     }
     return 0;
