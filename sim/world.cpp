@@ -334,16 +334,17 @@ void World::Impl::remember_wedges() {
 
 void World::step() {
     Impl& w = *impl_;
-    w.tick(w.options.time_step_s);
     ++w.ticks;
     w.time_s = static_cast<double>(w.ticks) * w.options.time_step_s;
-    if (w.thread) {
-        w.slide_grips(w.options.time_step_s);
+    // What both faces meet in this tick is caught or cut before they push: friction goes by the normal forces
+    // of the last step, so two faces that have just touched would squeeze the thread out of the wedge.
+    if (w.thread)
         for (int i = 0; i < static_cast<int>(w.instruments.size()); ++i) {
             w.work_jaws(i);
             w.work_blades(i);
         }
-    }
+    w.tick(w.options.time_step_s);
+    if (w.thread) w.slide_grips(w.options.time_step_s);
     w.note_collisions();
 }
 
