@@ -5,6 +5,7 @@
 
 #include "scenes/polyline.hpp"
 #include "scenes/scene_file.hpp"
+#include "tracker/cut_check.hpp"
 
 namespace atropos::experiments {
 using Eigen::Vector3d;
@@ -39,7 +40,7 @@ robot::ScissorsOptions scissors_options(const scenes::SceneConfig& scene) {
     options.max_attempts = scene.cut.max_attempts;
     switch (scene.arms.accuracy) {
         case scenes::ArmAccuracy::kPerfect:
-            options.registration_sigma_m = 0.0;
+            options.registration_sigma_m = 1e-5;
             break;
         case scenes::ArmAccuracy::kUncalibrated:
             options.registration_sigma_m = 0.004;
@@ -60,6 +61,10 @@ ClosedLoop::ClosedLoop(const scenes::SceneConfig& scene)
     robot::ScissorsOptions options = scissors_options(scene_);
     for (int end : {0, 1}) options.X_TG[static_cast<size_t>(end)] = testbed_.arm(end).psm().tool().X_TG;
     robot::RobotArm& arm = testbed_.arm(kScissorsArm);
+    for (int i = 0; i < kArms; ++i)
+        sights_.emplace_back(
+            testbed_.rig(), scene_.tracking.tracker.thread.channel,
+            scene_.arms.accuracy == scenes::ArmAccuracy::kPerfect ? 0.0 : options.registration_sigma_m);
     command_ = std::make_unique<robot::ScissorsCommand>(options, arm.controller(), arm.X_CB());
 }
 
@@ -69,54 +74,95 @@ long ClosedLoop::frames() const {
     return static_cast<long>(std::floor(scene_.duration_s * scene_.camera.fps_hz));
 }
 
-tracker::StereoFrame ClosedLoop::tracker_frame(int frame, const View& view) const {
+tracker::StereoFrame ClosedLoop::tracker_frame(int frame, const View& view) {
     tracker::StereoFrame f;
     f.index = frame;
     f.capture_time_s = testbed_.time_s();
     f.left = view.left;
     f.right = view.right;
-    if (scene_.tracking.tips != scenes::TipSource::kNone)
-        for (int end : {0, 1}) {
-            const bool exact = scene_.tracking.tips == scenes::TipSource::kExact;
-            f.tips[static_cast<size_t>(end)] =
-                tracker::MeasuredTip{exact ? testbed_.true_grip_C(end) : testbed_.measured_grip_C(end),
-                                     tracker::MeasuredTip::Kind::kHeld};
-        }
     for (int arm = 0; arm < kArms; ++arm) {
         const auto capsules = testbed_.arm(arm).measured_capsules_C();
         f.instruments.insert(f.instruments.end(), capsules.value.begin(), capsules.value.end());
     }
+    look_at_instruments(f);
+    if (scene_.tracking.tips == scenes::TipSource::kNone) return f;
+    for (int end : {0, 1}) {
+        const Vector3d seen = testbed_.measured_grip_C(end) + sights_[static_cast<size_t>(end)].offset_C_m();
+        const bool exact = scene_.tracking.tips == scenes::TipSource::kExact;
+        f.tips[static_cast<size_t>(end)] =
+            tracker::MeasuredTip{exact ? testbed_.true_grip_C(end) : seen, tracker::MeasuredTip::Kind::kHeld};
+    }
     return f;
 }
 
-/// Hands an estimate to the command after the tracker's latency, or what a null controller puts in its place.
-void ClosedLoop::deliver(const ThreadEstimate& estimate) {
+/// Finds each instrument in the images, and moves its capsules to where it is seen.
+void ClosedLoop::look_at_instruments(tracker::StereoFrame& frame) {
+    std::vector<scenes::Capsule> corrected;
+    for (int arm = 0; arm < kArms; ++arm) {
+        std::vector<scenes::Capsule> others;
+        for (int other = 0; other < kArms; ++other) {
+            if (other == arm) continue;
+            const auto capsules = testbed_.arm(other).measured_capsules_C();
+            others.insert(others.end(), capsules.value.begin(), capsules.value.end());
+        }
+        InstrumentSight& sight = sights_[static_cast<size_t>(arm)];
+        sight.look(frame, testbed_.arm(arm), others);
+        for (scenes::Capsule capsule : testbed_.arm(arm).measured_capsules_C().value) {
+            capsule.a += sight.offset_C_m();
+            capsule.b += sight.offset_C_m();
+            corrected.push_back(capsule);
+        }
+    }
+    frame.instruments = corrected;
+}
+
+std::optional<robot::CutCheck> ClosedLoop::check_cut(const tracker::StereoFrame& frame) {
+    if (command_->status().state != robot::ScissorsState::kVerify || before_close_.samples.empty())
+        return std::nullopt;
+    tracker::CutCheckOptions options;
+    const scenes::TrackerConfig& config = scene_.tracking.tracker;
+    options.width_m = config.thread.width_m;
+    options.polarity = config.thread.polarity;
+    options.channel = config.thread.channel;
+    options.contrast_levels = config.refined.contrast_levels;
+    options.instrument_sigma_m = config.refined.instrument_sigma_m;
+    const double s_m = scene_.cut.fraction * before_close_.length_m();
+    const tracker::CutCheck seen = tracker::check_cut(frame, testbed_.rig(), before_close_, s_m, options);
+    const robot::CutEvidence evidence = seen.verdict == tracker::CutVerdict::kCut ? robot::CutEvidence::kCut
+                                        : seen.verdict == tracker::CutVerdict::kIntact
+                                            ? robot::CutEvidence::kIntact
+                                            : robot::CutEvidence::kUnknown;
+    return robot::CutCheck{frame.capture_time_s, evidence};
+}
+
+/// The tracker's estimate, or what a null controller puts in its place.
+ThreadEstimate ClosedLoop::delivered(const ThreadEstimate& estimate) {
     const double now = testbed_.time_s();
-    ThreadEstimate delivered = estimate;
+    ThreadEstimate result = estimate;
     switch (scene_.cut.controller) {
         case CutController::kTracker:
             break;
         case CutController::kChord:
-            delivered = certain({{testbed_.measured_grip_C(0), testbed_.measured_grip_C(1)}}, now);
+            result = certain({{testbed_.measured_grip_C(0), testbed_.measured_grip_C(1)}}, now);
             break;
         case CutController::kFrozen:
             if (!frozen_ && now >= scene_.cut.at_s && estimate.status == TrackStatus::kTracking)
                 frozen_ = estimate;
-            if (frozen_) delivered = *frozen_;
-            delivered.capture_time_s = now;
+            if (frozen_) result = *frozen_;
+            result.capture_time_s = now;
             break;
         case CutController::kTruth: {
             scenes::Polyline span;
             for (const TruthSample& s : truth_samples(testbed_.thread(), testbed_.X_WC().inverse()))
                 if (s.in_span) span.points.push_back(s.p_C);
             if (span.points.size() < 2)
-                delivered = ThreadEstimate{};
+                result = ThreadEstimate{};
             else
-                delivered = certain(span, now);
+                result = certain(span, now);
             break;
         }
     }
-    pending_.push_back({now + scene_.tracking.latency_s, delivered});
+    return result;
 }
 
 void ClosedLoop::look(int frame, const Observer& observer) {
@@ -130,8 +176,12 @@ void ClosedLoop::look(int frame, const Observer& observer) {
     if (now + 1e-9 >= next_track_s_) {
         if (scene_.tracking.rate_hz > 0.0) next_track_s_ += 1.0 / scene_.tracking.rate_hz;
         const auto lap = clock_.lap("tracking");
-        tracked = &tracker_->track(tracker_frame(frame, *view));
-        deliver(tracked->estimate);
+        const tracker::StereoFrame f = tracker_frame(frame, *view);
+        tracked = &tracker_->track(f);
+        if (command_->status().close_time_s < 0.0) before_close_ = tracked->estimate;
+        Pending pending{now + scene_.tracking.latency_s, delivered(tracked->estimate), {}, check_cut(f)};
+        for (size_t arm = 0; arm < kArms; ++arm) pending.offsets[arm] = sights_[arm].seen();
+        pending_.push_back(std::move(pending));
     }
     const auto lap = clock_.lap("output");
     observer({frame, *view, tracked, command_->status()});
@@ -143,10 +193,15 @@ robot::ScissorsInput ClosedLoop::scissors_input() {
     input.commanded = input.time_s >= scene_.cut.at_s;
     arrived_.reset();
     while (!pending_.empty() && pending_.front().arrives_s <= input.time_s + 1e-9) {
-        arrived_ = pending_.front().estimate;
+        arrived_ = pending_.front();
         pending_.erase(pending_.begin());
     }
-    input.estimate = arrived_ ? &*arrived_ : nullptr;
+    if (arrived_) {
+        input.estimate = &arrived_->estimate;
+        input.blade_offset = arrived_->offsets[kScissorsArm];
+        for (size_t end : {0, 1}) input.grip_offsets[end] = arrived_->offsets[end];
+        input.cut_check = arrived_->cut_check;
+    }
     input.scissors = testbed_.arm(kScissorsArm).measured();
     others_C_.clear();
     for (int arm : {0, 1}) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "experiments/endoscope_view.hpp"
+#include "experiments/instrument_sight.hpp"
 #include "experiments/stage_clock.hpp"
 #include "experiments/testbed.hpp"
 #include "robot/scissors_command.hpp"
@@ -46,10 +47,14 @@ class ClosedLoop {
     struct Pending {
         double arrives_s;
         scenes::ThreadEstimate estimate;
+        std::array<std::optional<robot::InstrumentOffset>, kArms> offsets;
+        std::optional<robot::CutCheck> cut_check;
     };
     void look(int frame, const Observer& observer);
-    tracker::StereoFrame tracker_frame(int frame, const View& view) const;
-    void deliver(const scenes::ThreadEstimate& estimate);
+    tracker::StereoFrame tracker_frame(int frame, const View& view);
+    void look_at_instruments(tracker::StereoFrame& frame);
+    std::optional<robot::CutCheck> check_cut(const tracker::StereoFrame& frame);
+    scenes::ThreadEstimate delivered(const scenes::ThreadEstimate& estimate);
     robot::ScissorsInput scissors_input();
 
     scenes::SceneConfig scene_;
@@ -57,8 +62,10 @@ class ClosedLoop {
     EndoscopeView endoscope_;
     std::unique_ptr<tracker::StereoTracker> tracker_;
     std::unique_ptr<robot::ScissorsCommand> command_;
+    std::vector<InstrumentSight> sights_;  ///< one an arm
     std::vector<Pending> pending_;
-    std::optional<scenes::ThreadEstimate> arrived_;
+    std::optional<Pending> arrived_;
+    scenes::ThreadEstimate before_close_;  ///< the last estimate before the blades closed
     std::optional<scenes::ThreadEstimate> frozen_;
     std::vector<scenes::Capsule> others_C_;
     double next_track_s_ = 0.0;

@@ -18,6 +18,9 @@ constexpr double kTangentMemory = 0.3;     // share of a new tangent
 constexpr double kGripSigma_m = 2e-5;      // of measured motion over a few tenths of a second
 constexpr double kMaxSurprise = 30.0;      // squared, three degrees of freedom: one in a million
 constexpr double kModelSigma_m = 3e-4;     // no innovation below this is a jump
+// A tracker's sigmas are across the thread; along it a point is known by the ends alone. What a frame adds to
+// that.
+constexpr double kSlideSigma_m = 4e-4, kJitterSigma_m = 1.5e-4;
 constexpr double kLongestExtrapolation_s = 0.5;
 constexpr double kBelieveJumpAfter_s = 0.3;
 
@@ -147,11 +150,17 @@ ThreadPredictor::Verdict ThreadPredictor::observe(const scenes::ThreadEstimate& 
     const auto nearest =
         static_cast<size_t>(s / length * static_cast<double>(estimate.samples.size() - 1) + 0.5);
     const auto& sample = estimate.samples[nearest];
-    const Matrix3d R = ray_covariance(p, sample.sigma_lateral_m, sample.sigma_depth_m);
+    const Vector3d along =
+        (point_at(estimate.samples, s + kTangentReach_m) - point_at(estimate.samples, s - kTangentReach_m))
+            .normalized();
+    const Matrix3d R = ray_covariance(p, sample.sigma_lateral_m, sample.sigma_depth_m) +
+                       kJitterSigma_m * kJitterSigma_m * Matrix3d::Identity() +
+                       kSlideSigma_m * kSlideSigma_m * along * along.transpose();
     const Matrix3d wide = R + kModelSigma_m * kModelSigma_m * Matrix3d::Identity();
     const Vector3d relative = p - grips_at(now);
     if (relative_.started()) {
-        const double jump = (relative - relative_.at(now).p).norm();
+        // From where it was seen last, not from where a velocity that ran away would put it.
+        const double jump = (relative - relative_.at(relative_.time_s()).p).norm();
         const bool surprising = relative_.surprise(now, relative, wide) > kMaxSurprise;
         if (surprising && jumped_since_s_ < 0.0) jumped_since_s_ = now;
         // However long the thread was out of sight, the grips tell too much for it to be elsewhere.
@@ -160,10 +169,8 @@ ThreadPredictor::Verdict ThreadPredictor::observe(const scenes::ThreadEstimate& 
         if (surprising) forget();
     }
     jumped_since_s_ = -1.0;
-    const Vector3d chord =
-        point_at(estimate.samples, s + kTangentReach_m) - point_at(estimate.samples, s - kTangentReach_m);
     const double share = relative_.started() ? kTangentMemory : 1.0;
-    tangent_ = ((1.0 - share) * tangent_ + share * chord.normalized()).normalized();
+    tangent_ = ((1.0 - share) * tangent_ + share * along).normalized();
     length_m_ = length_m_ > 0.0 ? 0.98 * length_m_ + 0.02 * length : length;
     if (relative_.started())
         relative_.update(now, relative, R + kGripSigma_m * kGripSigma_m * Matrix3d::Identity());

@@ -16,12 +16,14 @@ struct Root {
     double angle, sag;
 };
 
-/// Elastica of unit length with load q = lambda g L^3 / EI, from its free end to the clamp: psi'' = q u sin psi, psi
-/// the angle to the vertical, u the length below; psi(0) = `start`, psi'(0) = 0. From this end the equation only
-/// grows, so that shooting stays well-conditioned for limp threads. Runge-Kutta.
+/// Elastica of unit length with load q = lambda g L^3 / EI, from its free end to the clamp: psi'' = q u sin
+/// psi, psi the angle to the vertical, u the length below; psi(0) = `start`, psi'(0) = 0. From this end the
+/// equation only grows, so that shooting stays well-conditioned for limp threads. Runge-Kutta.
 Root shoot(double q, double start) {
     using State = std::array<double, 3>;  // angle, its derivative, height
-    const auto f = [q](double u, const State& y) { return State{y[1], q * u * std::sin(y[0]), std::cos(y[0])}; };
+    const auto f = [q](double u, const State& y) {
+        return State{y[1], q * u * std::sin(y[0]), std::cos(y[0])};
+    };
     const auto plus = [](const State& a, double h, const State& b) {
         return State{a[0] + h * b[0], a[1] + h * b[1], a[2] + h * b[2]};
     };
@@ -29,8 +31,8 @@ Root shoot(double q, double start) {
     const double h = 1.0 / kSteps;
     for (int i = 0; i < kSteps; ++i) {
         const double u = i * h;
-        const State k1 = f(u, y), k2 = f(u + h / 2, plus(y, h / 2, k1)), k3 = f(u + h / 2, plus(y, h / 2, k2)),
-                    k4 = f(u + h, plus(y, h, k3));
+        const State k1 = f(u, y), k2 = f(u + h / 2, plus(y, h / 2, k1)),
+                    k3 = f(u + h / 2, plus(y, h / 2, k2)), k4 = f(u + h, plus(y, h, k3));
         y = plus(plus(plus(plus(y, h / 6, k1), h / 3, k2), h / 3, k3), h / 6, k4);
         if (y[0] > std::numbers::pi) break;  // far beyond any clamp
     }

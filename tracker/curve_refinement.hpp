@@ -45,7 +45,7 @@ struct CurvePriors {
     double curvature_sigma_per_m = 30.0;            ///< of C''/length^2 at each of 14 knots
     double curvature_change_sigma_per_m2 = 4000.0;  ///< of C'''/length^3 in each of 13 spans
     double tip_sigma_m = 0.001;                     ///< of held ends; fixed ends: 0.05 mm
-    double tip_robust_m = 0.00075;                    ///< Cauchy's scale of held ends
+    double tip_robust_m = 0.00075;                  ///< Cauchy's scale of held ends
     double motion_sigma_m = 0.020;                  ///< of control points about the motion's prediction
 };
 

@@ -10,9 +10,11 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace atropos::scenes;
     try {
-        const SceneConfig scene = parse_scene("fuzz", std::string(reinterpret_cast<const char*>(data), size), "/nonexistent");
+        const SceneConfig scene =
+            parse_scene("fuzz", std::string(reinterpret_cast<const char*>(data), size), "/nonexistent");
         const std::string text = to_yaml(scene);
-        if (to_yaml(parse_scene("again", text, "/nonexistent")) != text) throw std::logic_error("not equal when read back");
+        if (to_yaml(parse_scene("again", text, "/nonexistent")) != text)
+            throw std::logic_error("not equal when read back");
     } catch (const FileError&) {
     }
     return 0;

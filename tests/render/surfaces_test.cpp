@@ -34,9 +34,7 @@ TEST_P(InstrumentMesh, stays_inside_its_collision_capsules_by_half_a_millimetre)
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Tools, InstrumentMesh,
-                         testing::Values("LARGE_NEEDLE_DRIVER",
-                                         "ROUND_TIP_SCISSORS"));
+INSTANTIATE_TEST_SUITE_P(Tools, InstrumentMesh, testing::Values("LARGE_NEEDLE_DRIVER", "ROUND_TIP_SCISSORS"));
 
 TEST(Tissue, is_the_same_for_the_same_seed_and_another_for_another) {
     TissueOptions options;
