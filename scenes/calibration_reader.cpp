@@ -197,8 +197,9 @@ StereoRig parse_ini_calibration(const std::string& name, const std::string& text
             throw FileError(name, s + "res_x, res_y: no image size");
         camera->width_px = static_cast<int>(width);
         camera->height_px = static_cast<int>(height);
+        const double fx = get(s + "fc_x"), fy = get(s + "fc_y"), cx = get(s + "cc_x"), cy = get(s + "cc_y");
         Eigen::Matrix3d K;
-        K << get(s + "fc_x"), 0.0, get(s + "cc_x"), 0.0, get(s + "fc_y"), get(s + "cc_y"), 0.0, 0.0, 1.0;
+        K << fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0;
         set_intrinsics(name, s + "fc", K, *camera);
         for (int i = 0; i < 5; ++i)
             camera->distortion[static_cast<std::size_t>(i)] = get(s + "k_" + std::to_string(i));
