@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "scenes/scene_config.hpp"
+#include "scenes/stereo_rig.hpp"
 
 namespace atropos::scenes {
 
@@ -18,8 +19,15 @@ double unit_of_key(std::string_view key) {
 
 namespace {
 
+Words preset_names() {
+    Words names;
+    for (const RigPreset& preset : rig_presets()) names.push_back(preset.name);
+    return names;
+}
+
 void visit_camera(FieldVisitor& v, CameraConfig& c) {
-    v.text({"preset", "a rig by name; `atropos info --cameras` lists them with their sources"}, c.preset, {});
+    v.text({"preset", "a rig by name; `atropos info --cameras` lists them with their sources"}, c.preset,
+           preset_names());
     v.path({"calibration", "stereo calibration file (OpenCV or ROS YAML, dVRK .ini) in place of the preset"},
            c.calibration);
     v.integer({"width_px", "image width; 0: as calibrated, otherwise the rig is scaled"}, c.width_px, 0,

@@ -1,8 +1,10 @@
 #include "scenes/yaml_document.hpp"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <set>
+#include <sstream>
 
 #include "scenes/file_error.hpp"
 #include "scenes/text_file.hpp"
@@ -13,14 +15,46 @@ namespace {
 constexpr int kMaxDepth = 32;
 constexpr int kMaxNodes = 200000;
 
-/// Brackets nest by recursion inside the parser: refuse deep ones before it sees them.
-int flow_depth(const std::string& text) {
-    int depth = 0, deepest = 0;
-    for (const char c : text) {
-        if (c == '[' || c == '{') deepest = std::max(deepest, ++depth);
-        if (c == ']' || c == '}') depth = std::max(0, depth - 1);
+/// Hears the parser's events and stops it before it descends too deep; the tree is built only of what passed.
+class DepthGuard : public YAML::EventHandler {
+  public:
+    explicit DepthGuard(const std::string& name) : name_(name) {}
+
+    void OnSequenceStart(const YAML::Mark& at, const std::string&, YAML::anchor_t,
+                         YAML::EmitterStyle::value) override {
+        descend(at);
     }
-    return deepest;
+    void OnMapStart(const YAML::Mark& at, const std::string&, YAML::anchor_t,
+                    YAML::EmitterStyle::value) override {
+        descend(at);
+    }
+    void OnSequenceEnd() override { --depth_; }
+    void OnMapEnd() override { --depth_; }
+    void OnDocumentStart(const YAML::Mark&) override {}
+    void OnDocumentEnd() override {}
+    void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+    void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+    void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+
+  private:
+    void descend(const YAML::Mark& at) {
+        if (++depth_ > kMaxDepth)
+            throw FileError(name_, at.line + 1,
+                            "nested deeper than " + std::to_string(kMaxDepth) + " levels");
+    }
+
+    const std::string& name_;
+    int depth_ = 0;
+};
+
+/// Refuses deep nesting and a second document. YAML::LoadAll would do for the latter, but a stray comma
+/// outside brackets is never consumed, and it then makes empty documents until the memory ends.
+void check_events(const std::string& name, const std::string& text) {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    DepthGuard guard(name);
+    if (!parser.HandleNextDocument(guard)) throw FileError(name, "no YAML document");
+    if (parser.HandleNextDocument(guard)) throw FileError(name, "more than one YAML document, expected one");
 }
 
 /// Walks the whole tree once, aliases expanded, so that no later reader can loop or explode.
@@ -56,14 +90,10 @@ YamlDocument YamlDocument::load(const std::filesystem::path& file, std::size_t m
 YamlDocument YamlDocument::parse(const std::string& name, std::string text) {
     // OpenCV writes a directive that is not YAML's; blanked, the line numbers stay.
     if (text.starts_with("%YAML:1.0")) text.replace(0, 9, "#        ");
-    if (flow_depth(text) > kMaxDepth)
-        throw FileError(name, "brackets nested deeper than " + std::to_string(kMaxDepth) + " levels");
     YamlDocument document{name, {}};
     try {
-        const std::vector<YAML::Node> all = YAML::LoadAll(text);
-        if (all.size() != 1)
-            throw FileError(name, std::to_string(all.size()) + " YAML documents, expected one");
-        document.root = all.front();
+        check_events(name, text);
+        document.root = YAML::Load(text);
         int nodes = 0;
         check(document, document.root, 0, nodes);
     } catch (const YAML::Exception& error) {

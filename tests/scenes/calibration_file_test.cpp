@@ -99,7 +99,7 @@ std::string error_of(const std::string& text) {
 
 TEST(Calibration, refuses_what_is_no_calibration_in_one_line) {
     const std::pair<std::string, std::string> cases[] = {
-        {"", "YAML documents"},
+        {"", "no YAML document"},
         {"hello\n", "no calibration"},
         {"- 1\n", "no calibration"},
         {broken("M1:", "N1:"), "no key 'M1'"},
