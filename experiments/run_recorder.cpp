@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "experiments/output_folder.hpp"
+#include "experiments/outside_view.hpp"
 #include "experiments/overlay.hpp"
 #include "experiments/sequence_writer.hpp"
 #include "experiments/version.hpp"
@@ -40,6 +41,10 @@ void RunRecorder::add(const LoopFrame& frame) {
         last_control_points_ = frame.tracked->control_points;
         add_metrics(frame);
     }
+    const bool measured = frame.tracked && !evaluated_.empty() && evaluated_.back().frame == frame.frame;
+    report_.add(
+        frame, loop_, last_estimate_, last_control_points_,
+        measured && evaluated_.back().has_curve ? std::optional(evaluated_.back().metrics) : std::nullopt);
     if (wants_video_) draw(frame);
 }
 
@@ -77,12 +82,16 @@ void RunRecorder::add_metrics(const LoopFrame& frame) {
 }
 
 void RunRecorder::draw(const LoopFrame& frame) {
-    constexpr int kZoom = 2;
+    constexpr int kZoom = 2, kFramesPerInset = 3;
     const Overlay overlay{
         &last_estimate_, last_control_points_, nullptr,
         fmt::format("{:6.2f} s  {}  {}", frame_times_s_.back(), robot::to_string(frame.command.state),
                     scenes::to_string(last_estimate_.status))};
     const cv::Mat picture = draw_overlay(frame.view.left, loop_.testbed().rig(), 0, overlay, kZoom);
+    const cv::Size inset(picture.cols / 4, picture.rows / 3);
+    if (frame.frame % kFramesPerInset == 0 || inset_.empty())
+        inset_ = draw_outside_view(loop_.testbed(), frame.view.samples, last_estimate_, inset);
+    inset_.copyTo(picture(cv::Rect({picture.cols - inset.width, picture.rows - inset.height}, inset)));
     if (!video_)
         video_ = std::make_unique<VideoWriter>(folder_ / "video.mp4", picture.size(),
                                                loop_.testbed().scene().camera.fps_hz);
@@ -170,6 +179,7 @@ ordered_json RunRecorder::finish(double wall_s) {
         {{"sequence", scene.name}, {"frames", frame_times_s_.size()}, {"version", version_number()}});
     const ordered_json summary = judge();
     write_file(folder_ / "summary.json", summary.dump(2) + "\n");
+    report_.write(folder_ / "report.html", summary, loop_);
     ordered_json timing;
     for (const auto& [stage, seconds] : loop_.clock().seconds()) timing["seconds"][stage] = seconds;
     timing["wall_s"] = wall_s;

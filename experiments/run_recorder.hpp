@@ -7,6 +7,7 @@
 #include "experiments/append_file.hpp"
 #include "experiments/closed_loop.hpp"
 #include "experiments/metrics.hpp"
+#include "experiments/run_report.hpp"
 #include "experiments/track_writer.hpp"
 #include "experiments/video_writer.hpp"
 
@@ -39,7 +40,9 @@ class RunRecorder {
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector2d>>
         middles_;  ///< of the true span, C and left image
     AppendFile loop_csv_, thread_;
+    RunReport report_;
     std::unique_ptr<VideoWriter> video_;
+    cv::Mat inset_;  ///< of the video, from outside
     bool wants_video_;
     const tracker::TrackResult* last_track_ = nullptr;
     scenes::ThreadEstimate last_estimate_;

@@ -213,8 +213,9 @@ StereoRig parse_ini_calibration(const std::string& name, const std::string& text
 }
 
 StereoRig load_calibration(const std::filesystem::path& file) {
-    if (std::filesystem::is_directory(file)) {
-        if (std::filesystem::exists(file / "stereo.yaml")) return load_calibration(file / "stereo.yaml");
+    std::error_code error;
+    if (std::filesystem::is_directory(file, error)) {
+        if (file_exists(file / "stereo.yaml")) return load_calibration(file / "stereo.yaml");
         const auto left = file / "left.yaml", right = file / "right.yaml";
         return parse_ros_calibration(left.string(), read_text_file(left, kMaxBytes), right.string(),
                                      read_text_file(right, kMaxBytes));

@@ -95,8 +95,7 @@ class Reader final : public FieldVisitor {
         value = node.Scalar();
         if (value.empty()) return;
         const std::filesystem::path found = resolve_path(base_, value);
-        if (!std::filesystem::exists(found))
-            document_.fail(node, std::string(field.key) + ": no file " + shown(value));
+        if (!file_exists(found)) document_.fail(node, std::string(field.key) + ": no file " + shown(value));
         value = found.string();
     }
 
@@ -172,9 +171,9 @@ void read_document(SceneConfig& scene, const YamlDocument& document, const std::
         if (const YAML::Node include = root["include"]) {
             if (!include.IsScalar()) document.fail(include, "include is no file name, expected one");
             const std::filesystem::path file = resolve_path(base, include.Scalar());
-            if (!std::filesystem::exists(file))
-                document.fail(include, "include: no file " + shown(include.Scalar()));
-            const auto canonical = std::filesystem::weakly_canonical(file);
+            if (!file_exists(file)) document.fail(include, "include: no file " + shown(include.Scalar()));
+            std::error_code error;
+            const auto canonical = std::filesystem::weakly_canonical(file, error);
             if (std::find(open.begin(), open.end(), canonical) != open.end())
                 document.fail(include, "include: " + shown(include.Scalar()) + " includes itself");
             if (open.size() >= kMaxIncludes) document.fail(include, "include: more than 16 files deep");
@@ -186,7 +185,8 @@ void read_document(SceneConfig& scene, const YamlDocument& document, const std::
 
 void read_file(SceneConfig& scene, const std::filesystem::path& file,
                std::vector<std::filesystem::path>& open) {
-    open.push_back(std::filesystem::weakly_canonical(file));
+    std::error_code error;
+    open.push_back(std::filesystem::weakly_canonical(file, error));
     read_document(scene, YamlDocument::load(file, kMaxBytes), file.parent_path(), open);
     open.pop_back();
 }
@@ -225,11 +225,10 @@ void apply_overrides(SceneConfig& scene, const std::vector<std::string>& overrid
 std::filesystem::path resolve_path(const std::filesystem::path& base, const std::string& name) {
     const std::filesystem::path path(name);
     if (path.is_absolute()) return path;
-    std::error_code error;
-    if (std::filesystem::exists(base / path, error)) return base / path;
+    if (file_exists(base / path)) return base / path;
     const char* share = std::getenv("ATROPOS_SHARE");
     for (const char* folder : {share ? share : "", ATROPOS_INSTALLED_SHARE, ATROPOS_SOURCE_SHARE})
-        if (*folder && std::filesystem::exists(folder / path, error)) return folder / path;
+        if (*folder && file_exists(folder / path)) return folder / path;
     return base / path;
 }
 

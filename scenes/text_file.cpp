@@ -39,6 +39,11 @@ std::size_t first_bad_byte(std::string_view text) {
 
 }  // namespace
 
+bool file_exists(const std::filesystem::path& file) {
+    std::error_code error;
+    return std::filesystem::exists(file, error);
+}
+
 std::string read_text_file(const std::filesystem::path& file, std::size_t max_bytes) {
     const std::string name = file.string();
     std::error_code error;

@@ -7,6 +7,9 @@
 
 namespace atropos::scenes {
 
+/// Whether there is such a file; a name that no file can have (too long, say) is no error.
+bool file_exists(const std::filesystem::path& file);
+
 /// The whole of a text file. Throws FileError when it is missing, no regular file, larger than `max_bytes`,
 /// empty, or not UTF-8 text.
 std::string read_text_file(const std::filesystem::path& file, std::size_t max_bytes);

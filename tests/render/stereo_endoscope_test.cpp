@@ -17,7 +17,7 @@ scenes::StereoRig rig_for(bool distorted) {
     return rig;
 }
 
-class DepthTruth : public testing::TestWithParam<std::tuple<const char*, bool>> {};
+class DepthTruth : public testing::TestWithParam<std::tuple<std::string, bool>> {};
 
 TEST_P(DepthTruth, is_a_slanted_plane_to_a_micrometre) {
     const auto [preset, distorted] = GetParam();
@@ -50,7 +50,8 @@ TEST_P(DepthTruth, is_a_slanted_plane_to_a_micrometre) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Presets, DepthTruth,
-                         testing::Combine(testing::Values("fast", "quality"), testing::Bool()));
+                         testing::Combine(testing::Values(std::string("fast"), std::string("quality")),
+                                          testing::Bool()));
 
 TEST(StereoEndoscope, labels_every_pixel_of_a_known_scene) {
     const scenes::StereoRig rig = rig_for(false);

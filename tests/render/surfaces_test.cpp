@@ -9,7 +9,7 @@
 namespace atropos::render {
 namespace {
 
-class InstrumentMesh : public testing::TestWithParam<const char*> {};
+class InstrumentMesh : public testing::TestWithParam<std::string> {};
 
 TEST_P(InstrumentMesh, stays_inside_its_collision_capsules_by_half_a_millimetre) {
     const robot::Tool& tool = robot::tool(GetParam());
@@ -34,7 +34,9 @@ TEST_P(InstrumentMesh, stays_inside_its_collision_capsules_by_half_a_millimetre)
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Tools, InstrumentMesh, testing::Values("LARGE_NEEDLE_DRIVER", "ROUND_TIP_SCISSORS"));
+INSTANTIATE_TEST_SUITE_P(Tools, InstrumentMesh,
+                         testing::Values(std::string("LARGE_NEEDLE_DRIVER"),
+                                         std::string("ROUND_TIP_SCISSORS")));
 
 TEST(Tissue, is_the_same_for_the_same_seed_and_another_for_another) {
     TissueOptions options;

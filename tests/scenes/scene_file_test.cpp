@@ -163,6 +163,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"two_of_three", "camera: {hand_eye: {position_mm: [1, 2]}}\n", "three numbers"},
         BadScene{"vector_of_words", "camera: {hand_eye: {position_mm: [a, b, c]}}\n", "position_mm is 'a'"},
         BadScene{"missing_file", "camera: {calibration: nope.yaml}\n", "no file 'nope.yaml'"},
+        BadScene{"endless_include", "include: " + std::string(5000, 'x') + "\n", "include: no file"},
+        BadScene{"endless_file", "camera: {calibration: " + std::string(5000, 'x') + "}\n", "no file"},
         BadScene{"top_is_list", "- a\n- b\n", "expected `key: value` lines"},
         BadScene{"top_is_word", "hello\n", "expected `key: value` lines"},
         BadScene{"unknown_preset", "camera: {preset: papre}\n", "'papre', expected one of paper"},
