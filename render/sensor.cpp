@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
+#include "render/block_compression.hpp"
 #include "scenes/random_stream.hpp"
 
 namespace atropos::render {
@@ -147,10 +147,7 @@ cv::Mat Sensor::develop_eye(const cv::Mat& linear, const cv::Mat& lens, float ga
         for (int i = 0; i < values; ++i)
             out[i] = response_[static_cast<std::size_t>(step[static_cast<std::size_t>(i)])];
     }
-    if (options_.jpeg_quality == 0) return image;
-    std::vector<std::uint8_t> bytes;
-    cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, options_.jpeg_quality});
-    return cv::imdecode(bytes, cv::IMREAD_COLOR);
+    return options_.jpeg_quality == 0 ? image : compressed(image, options_.jpeg_quality);
 }
 
 std::vector<double> Sensor::exposure_times_s(double time_s, int eye) const {

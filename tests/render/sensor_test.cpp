@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <opencv2/imgcodecs.hpp>
 
+#include "render/block_compression.hpp"
 #include "render/calibration_error.hpp"
 #include "render_scenes.hpp"
+#include "scenes/random_stream.hpp"
 
 namespace atropos::render {
 namespace {
@@ -19,6 +22,41 @@ StereoFrame even_frame(float value) {
 
 const scenes::StereoRig& rig() {
     return scenes::rig_preset("paper").rig;
+}
+
+// Tissue-like: fine structure in brightness, slow changes of colour.
+cv::Mat busy_picture(cv::Size size) {
+    cv::Mat picture(size, CV_8UC3);
+    scenes::RandomStream random(3, "busy picture");
+    for (int y = 0; y < size.height; ++y)
+        for (int x = 0; x < size.width; ++x) {
+            const double light = 110.0 + 40.0 * std::sin(0.31 * x + 0.2 * y) + random.uniform(-25.0, 25.0);
+            const double hue = 30.0 * std::sin(0.07 * x) * std::cos(0.05 * y);
+            picture.at<cv::Vec3b>(y, x) = {cv::saturate_cast<uchar>(light - hue),
+                                           cv::saturate_cast<uchar>(light),
+                                           cv::saturate_cast<uchar>(light + hue)};
+        }
+    return picture;
+}
+
+TEST(BlockCompression, leaves_what_libjpeg_leaves) {
+    for (const int quality : {30, 75, 92}) {
+        for (const cv::Size size : {cv::Size(160, 96), cv::Size(101, 67), cv::Size(1, 1)}) {
+            const cv::Mat picture = busy_picture(size);
+            std::vector<std::uint8_t> bytes;
+            cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+            const cv::Mat theirs = cv::imdecode(bytes, cv::IMREAD_COLOR), ours = compressed(picture, quality);
+            const double mean =
+                cv::norm(ours, theirs, cv::NORM_L1) / static_cast<double>(3 * picture.total());
+            std::printf("quality %d, %dx%d: mean difference %.2f, change by compression %.2f\n", quality,
+                        size.width, size.height, mean,
+                        cv::norm(ours, picture, cv::NORM_L1) / static_cast<double>(3 * picture.total()));
+            // libjpeg rounds inside its steps too: a coefficient near a half may fall to the other side.
+            EXPECT_LE(mean, 1.1);
+        }
+    }
+    EXPECT_THROW(compressed(busy_picture({8, 8}), 0), std::invalid_argument);
+    EXPECT_THROW(compressed(cv::Mat(), 50), std::invalid_argument);
 }
 
 TEST(Sensor, codes_light_as_srgb_when_ideal) {
