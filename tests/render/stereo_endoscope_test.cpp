@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <thread>
+#include <vector>
+
 #include "render_scenes.hpp"
 
 namespace atropos::render {
@@ -106,6 +110,25 @@ TEST(StereoEndoscope, gives_the_same_bytes_from_both_back_ends_and_with_or_witho
         StereoEndoscope egl(options, rig);
         EXPECT_TRUE(same_bytes(first, egl.render(input))) << "EGL";
     }
+}
+
+TEST(StereoEndoscope, draws_the_same_in_two_threads_at_once) {
+    const scenes::StereoRig rig = rig_for(true);
+    const std::vector<scenes::RenderItem> items = {
+        item_at(square(0.15f, 40), {0.0, 0.0, 0.11}, Label::kTissue),
+        item_at(sphere(0.01, 24), {0.01, 0.0, 0.1}, Label::kPSM1)};
+    FrameInput input;
+    input.items = items;
+    const StereoFrame alone = StereoEndoscope(endoscope_preset("fast"), rig).render(input);
+    std::array<StereoFrame, 2> together;
+    std::vector<std::jthread> threads;
+    for (StereoFrame& frame : together)
+        threads.emplace_back([&] {
+            StereoEndoscope endoscope(endoscope_preset("fast"), rig);
+            for (int i = 0; i < 5; ++i) frame = endoscope.render(input);
+        });
+    threads.clear();
+    for (const StereoFrame& frame : together) EXPECT_TRUE(same_bytes(alone, frame));
 }
 
 TEST(StereoEndoscope, refuses_options_out_of_range) {

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include "render/sensor.hpp"
 #include "render_scenes.hpp"
 
 namespace atropos::render {
@@ -145,6 +146,11 @@ double run(const scenes::StereoRig& rig, const std::vector<scenes::Polyline>& cu
     return error.rms();
 }
 
+double linear_of(std::uint8_t coded) {
+    const double v = coded / 255.0;
+    return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+}
+
 void report(const char* what, const Error& error) {
     std::printf("%s: rms %.5f max %.5f mean %.5f px of %d\n", what, error.rms(), error.max, error.mean(),
                 error.count);
@@ -182,6 +188,49 @@ TEST(ThreadRibbon, lies_on_its_axis_where_it_bends) {
     report("curved", error);
     EXPECT_LE(error.rms(), 0.002);
     EXPECT_LE(error.max, 0.01);
+}
+
+TEST(ThreadRibbon, keeps_its_place_in_eight_bits) {
+    const scenes::StereoRig rig = scenes::rig_preset("paper").rig;
+    StereoEndoscope endoscope(endoscope_preset("fast"), rig);
+    const Sensor sensor(sensor_preset("ideal"), rig, 1);
+    Error error;
+    for (const auto& curve : straight_threads()) {
+        const std::vector<ThreadRibbon> ribbons = {white_thread(curve)};
+        FrameInput input;
+        input.ribbons = ribbons;
+        const cv::Mat picture = sensor.develop(endoscope.render(input), 0).left;
+        measure([&](int x, int y) { return linear_of(picture.at<cv::Vec3b>(y, x)[1]); }, rig.left,
+                Eigen::Isometry3d::Identity(), curve, error);
+    }
+    report("8 bits", error);
+    EXPECT_LE(error.rms(), 0.03);
+}
+
+// What the figures above are worth: the same picture, measured by a camera half a pixel beside.
+TEST(ThreadRibbon, would_show_a_mistake_of_half_a_pixel) {
+    const scenes::StereoRig rig = scenes::rig_preset("paper").rig;
+    scenes::Camera beside = rig.left;
+    beside.cx_px += 0.5;
+    beside.cy_px += 0.5;
+    StereoEndoscope endoscope(endoscope_preset("fast"), rig);
+    Error error;
+    const scenes::Polyline curve = straight(0.3, 0.0);
+    const std::vector<ThreadRibbon> ribbons = {white_thread(curve)};
+    FrameInput input;
+    input.ribbons = ribbons;
+    const cv::Mat linear = endoscope.render(input).left.linear;
+    measure([&](int x, int y) { return linear.at<cv::Vec3f>(y, x)[1]; }, beside,
+            Eigen::Isometry3d::Identity(), curve, error);
+    EXPECT_NEAR(error.rms(), 0.5 * std::abs(std::cos(0.3) - std::sin(0.3)), 0.02);
+}
+
+TEST(ThreadRibbon, is_shifted_by_its_own_shading_when_lit) {
+    Error error;
+    run(scenes::rig_preset("paper").rig, straight_threads(), error, true);
+    report("lit", error);
+    // A light beside the lens makes the near side brighter: stated, not wanted to be nothing.
+    EXPECT_LE(error.rms(), 0.1);
 }
 
 TEST(ThreadRibbon, follows_the_lens_distortion) {
