@@ -40,24 +40,33 @@ std::vector<float> kernel(double sigma_px, int supersampling) {
     return weights;
 }
 
-// One row of samples, blurred along the row, at the pixels' columns; 4 floats a pixel.
+// out[x] += weight * in[step * x]: the one loop that all time goes into.
+template <int kStep>
+void accumulate(float weight, const float* in, float* out, int count) {
+    for (int x = 0; x < count; ++x) out[x] += weight * in[kStep * x];
+}
+
+// One row of samples, blurred along the row, at the pixels' columns: red, green and blue one after another.
 void blur_row(const EyeSamples& s, int y, const std::vector<float>& weights, std::vector<float>& padded,
               float* out) {
-    const int n = static_cast<int>(weights.size() / 2), columns = s.width_px * s.supersampling;
+    const int taps = static_cast<int>(weights.size()), n = taps / 2, columns = s.width_px * s.supersampling;
+    const int length = columns + 2 * n;
     const std::uint16_t* row = s.layers.half_rgba.data() +
                                4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(s.layers.width) +
                                     static_cast<std::size_t>(s.first_column));
-    padded.resize(4 * static_cast<std::size_t>(columns + 2 * n));
-    for (int x = -n; x < columns + n; ++x) {
-        to_floats(row + 4 * std::clamp(x, 0, columns - 1), padded.data() + 4 * (x + n));
+    padded.resize(3 * static_cast<std::size_t>(length));
+    float rgba[4];
+    for (int x = 0; x < length; ++x) {
+        to_floats(row + 4 * std::clamp(x - n, 0, columns - 1), rgba);
+        for (int c = 0; c < 3; ++c) padded[static_cast<std::size_t>(c * length + x)] = rgba[c];
     }
-    const float* in = padded.data();
-    const int step = 4 * s.supersampling, taps = static_cast<int>(weights.size());
-    for (int x = 0; x < s.width_px; ++x, in += step, out += 4) {
-        Eigen::Array4f sum = Eigen::Array4f::Zero();
-        for (int k = 0; k < taps; ++k)
-            sum += weights[static_cast<std::size_t>(k)] * Eigen::Map<const Eigen::Array4f>(in + 4 * k);
-        Eigen::Map<Eigen::Array4f>{out} = sum;
+    std::fill(out, out + 3 * s.width_px, 0.0f);
+    for (int c = 0; c < 3; ++c) {
+        for (int k = 0; k < taps; ++k) {
+            const auto add = s.supersampling == 1 ? accumulate<1> : accumulate<2>;
+            add(weights[static_cast<std::size_t>(k)], padded.data() + c * length + k, out + c * s.width_px,
+                s.width_px);
+        }
     }
 }
 
@@ -73,7 +82,7 @@ float EyeSamples::depth_m(int x, int y) const {
 cv::Mat through_lens(const EyeSamples& s, double sigma_px) {
     const std::vector<float> weights = kernel(sigma_px, s.supersampling);
     const int n = static_cast<int>(weights.size() / 2), rows = s.height_px * s.supersampling;
-    const std::size_t row_size = 4 * static_cast<std::size_t>(s.width_px);
+    const std::size_t row_size = 3 * static_cast<std::size_t>(s.width_px);
     // Rows blurred along themselves, kept in a ring as tall as the kernel.
     const std::size_t ring = weights.size();
     std::vector<float> blurred(row_size * ring), padded, sum(row_size);
@@ -94,11 +103,11 @@ cv::Mat through_lens(const EyeSamples& s, double sigma_px) {
             for (std::size_t i = 0; i < row_size; ++i) total[i] += w * in[i];
         }
         float* out = image.ptr<float>(y);
-        const float* rgba = sum.data();
-        for (int x = 0; x < s.width_px; ++x, rgba += 4, out += 3) {
-            out[0] = rgba[2];
-            out[1] = rgba[1];
-            out[2] = rgba[0];
+        const float *red = sum.data(), *green = red + s.width_px, *blue = green + s.width_px;
+        for (int x = 0; x < s.width_px; ++x, out += 3) {
+            out[0] = blue[x];
+            out[1] = green[x];
+            out[2] = red[x];
         }
     }
     return image;

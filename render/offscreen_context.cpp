@@ -18,9 +18,17 @@ Backend chosen_backend() {
     throw std::runtime_error("ATROPOS_RENDERER is '" + std::string(value) + "', expected osmesa or egl");
 }
 
+/// llvmpipe's own threads cost a third more CPU time than they save: a program that draws while it tracks and
+/// simulates is better off without them. LP_NUM_THREADS, when set, is respected.
+void draw_in_the_callers_thread() {
+    static const bool once = [] { return setenv("LP_NUM_THREADS", "0", 0) == 0; }();
+    static_cast<void>(once);
+}
+
 }  // namespace
 
 std::unique_ptr<OffscreenContext> OffscreenContext::create(Backend backend) {
+    draw_in_the_callers_thread();
     if (backend == Backend::kAutomatic) backend = chosen_backend();
     if (backend == Backend::kOSMesa) return make_osmesa_context();
     if (backend == Backend::kEgl) return make_egl_context();
