@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -55,10 +56,14 @@ std::string read_text_file(const std::filesystem::path& file, std::size_t max_by
         throw FileError(name, std::to_string(size) + " bytes, expected at most " + std::to_string(max_bytes));
     std::ifstream stream(file, std::ios::binary);
     if (!stream) throw FileError(name, "can't be read");
-    std::string text(max_bytes + 1, '\0');
-    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+    std::string text;
+    text.reserve(error ? 0 : static_cast<std::size_t>(size) + 1);
+    // In pieces: what the file system says of the size may be wrong, and the limit may be large.
+    for (std::array<char, 65536> piece{}; stream && text.size() <= max_bytes;) {
+        stream.read(piece.data(), piece.size());
+        text.append(piece.data(), static_cast<std::size_t>(stream.gcount()));
+    }
     if (stream.bad()) throw FileError(name, "can't be read");
-    text.resize(static_cast<std::size_t>(stream.gcount()));
     if (text.size() > max_bytes)
         throw FileError(name, "expected at most " + std::to_string(max_bytes) + " bytes");
     if (text.empty()) throw FileError(name, "empty file");
