@@ -53,11 +53,12 @@ robot::ScissorsOptions scissors_options(const scenes::SceneConfig& scene) {
     return options;
 }
 
-ClosedLoop::ClosedLoop(const scenes::SceneConfig& scene)
+ClosedLoop::ClosedLoop(const scenes::SceneConfig& scene, const TrackerMaker& make_tracker)
     : scene_(scene),
       testbed_(scene),
       endoscope_(testbed_),
-      tracker_(tracker::make_tracker(scene.tracking.tracker, testbed_.rig())) {
+      tracker_(make_tracker ? make_tracker(testbed_.rig())
+                            : tracker::make_tracker(scene.tracking.tracker, testbed_.rig())) {
     robot::ScissorsOptions options = scissors_options(scene_);
     for (int end : {0, 1}) options.X_TG[static_cast<size_t>(end)] = testbed_.arm(end).psm().tool().X_TG;
     robot::RobotArm& arm = testbed_.arm(kScissorsArm);

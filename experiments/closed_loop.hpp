@@ -31,7 +31,10 @@ class ClosedLoop {
   public:
     using Observer = std::function<void(const LoopFrame&)>;
 
-    explicit ClosedLoop(const scenes::SceneConfig& scene);
+    /// Makes the tracker of the loop for its rig; null: the scene's own.
+    using TrackerMaker = std::function<std::unique_ptr<tracker::StereoTracker>(const scenes::StereoRig&)>;
+
+    explicit ClosedLoop(const scenes::SceneConfig& scene, const TrackerMaker& make_tracker = nullptr);
     ~ClosedLoop();
 
     /// Runs to the end: the command has finished and a little longer, or the scene's duration is over.

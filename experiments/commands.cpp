@@ -1,5 +1,7 @@
 #include "experiments/commands.hpp"
 
+#include "experiments/external_tracker.hpp"
+
 namespace atropos::experiments {
 
 std::vector<std::string> CommonOptions::all_overrides() const {
@@ -18,6 +20,15 @@ void add_common_options(CLI::App& app, CommonOptions& common) {
         ->check(CLI::Range(1, 256));
     app.add_flag("--quiet", common.quiet, "no progress on stderr");
     app.add_flag("--force", common.force, "replace a non-empty output folder");
+}
+
+void add_external_tracker_options(CLI::App& app, ExternalTrackerOptions& options) {
+    app.add_option("--tracker", options.command,
+                   "a shell command that tracks in place of ours (docs/own_tracker.md)")
+        ->type_name("CMD");
+    app.add_option("--tracker-timeout", options.timeout_s, "seconds it may take for a frame")
+        ->check(CLI::Range(0.01, 3600.0))
+        ->type_name("S");
 }
 
 }  // namespace atropos::experiments

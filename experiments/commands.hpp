@@ -26,11 +26,21 @@ using Command = std::function<int()>;
 /// Adds --seed, --set, --threads, --quiet, --force.
 void add_common_options(CLI::App& app, CommonOptions& common);
 
+struct ExternalTrackerOptions;
+
+/// Adds --tracker, --tracker-timeout.
+void add_external_tracker_options(CLI::App& app, ExternalTrackerOptions& options);
+
 void add_run_command(CLI::App& program, Command& chosen);
 void add_generate_command(CLI::App& program, Command& chosen);
 void add_render_command(CLI::App& program, Command& chosen);
 void add_info_command(CLI::App& program, Command& chosen);
 void add_track_command(CLI::App& program, Command& chosen);
 void add_evaluate_command(CLI::App& program, Command& chosen);
+void add_experiment_command(CLI::App& program, Command& chosen);
+void add_merge_command(CLI::App& program, Command& chosen);
+void add_check_command(CLI::App& program, Command& chosen);
+void add_figure_command(CLI::App& program, Command& chosen);
+void add_import_command(CLI::App& program, Command& chosen);
 
 }  // namespace atropos::experiments

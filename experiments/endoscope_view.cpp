@@ -104,14 +104,40 @@ View EndoscopeView::capture(const Testbed& testbed, int frame) {
         ribbons.push_back(std::move(ribbon));
     }
     view.samples = truth_samples(thread, testbed.X_WC().inverse());
+    std::vector<double> begins_m;
+    for (const auto& strand : thread.strands) begins_m.push_back(strand.s_m.front());
+    draw(view, testbed.X_WC(), items(testbed), ribbons, begins_m, frame);
+    return view;
+}
+
+View EndoscopeView::capture_curve(const Testbed& testbed, const scenes::Polyline& curve_C, int frame) {
+    View view;
+    render::ThreadRibbon ribbon{{}, 0.5 * testbed.scene().thread.diameter_m, look_};
+    for (const Vector3d& p_C : curve_C.points) ribbon.curve_W.points.push_back(testbed.X_WC() * p_C);
+    const double length_m = curve_C.length_m();
+    for (int k = 0; k < kSpanSamples; ++k) {
+        TruthSample sample;
+        sample.i = k;
+        sample.s_m = length_m * k / (kSpanSamples - 1);
+        sample.in_span = true;
+        sample.p_C = curve_C.point_at(sample.s_m);
+        view.samples.push_back(sample);
+    }
+    std::vector<scenes::RenderItem> items;
+    if (testbed.tissue()) items.push_back(testbed.tissue()->item(testbed.X_WTissue()));
+    draw(view, testbed.X_WC(), items, {ribbon}, {0.0}, frame);
+    return view;
+}
+
+/// Pictures and truth of items and ribbons; `view.samples` get their pixels and visibility.
+void EndoscopeView::draw(View& view, const Isometry3d& X_WC, const std::vector<scenes::RenderItem>& items,
+                         const std::vector<render::ThreadRibbon>& ribbons,
+                         const std::vector<double>& strand_begin_s_m, int frame) {
     std::vector<render::SamplePoint> points;
     for (const TruthSample& s : view.samples)
-        points.push_back({testbed.X_WC() * s.p_C, s.strand,
-                          s.s_m - thread.strands[static_cast<size_t>(s.strand)].s_m.front()});
-
-    const std::vector<scenes::RenderItem> drawn = items(testbed);
-    view.truth = endoscope_.render(
-        {.X_WC = testbed.X_WC(), .items = drawn, .ribbons = ribbons, .samples = points, .light = {}});
+        points.push_back({X_WC * s.p_C, s.strand, s.s_m - strand_begin_s_m[static_cast<size_t>(s.strand)]});
+    view.truth =
+        endoscope_.render({.X_WC = X_WC, .items = items, .ribbons = ribbons, .samples = points, .light = {}});
     for (size_t i = 0; i < view.samples.size(); ++i) {
         const render::SampleView* eyes[] = {&view.truth.left.samples[i], &view.truth.right.samples[i]};
         for (size_t eye = 0; eye < 2; ++eye) {
@@ -122,7 +148,6 @@ View EndoscopeView::capture(const Testbed& testbed, int frame) {
     const render::StereoImages images = sensor_.develop(view.truth, frame);
     view.left = images.left;
     view.right = images.right;
-    return view;
 }
 
 }  // namespace atropos::experiments

@@ -37,10 +37,16 @@ class EndoscopeView {
     explicit EndoscopeView(const Testbed& testbed);
 
     View capture(const Testbed& testbed, int frame);
+
+    /// The tissue and, in the thread's place, a curve given in C; no arms. All of the curve is its span.
+    View capture_curve(const Testbed& testbed, const scenes::Polyline& curve_C, int frame);
     std::string description() const { return endoscope_.description(); }
 
   private:
     std::vector<scenes::RenderItem> items(const Testbed& testbed) const;
+    void draw(View& view, const Eigen::Isometry3d& X_WC, const std::vector<scenes::RenderItem>& items,
+              const std::vector<render::ThreadRibbon>& ribbons, const std::vector<double>& strand_begin_s_m,
+              int frame);
 
     render::StereoEndoscope endoscope_;
     render::Sensor sensor_;

@@ -21,19 +21,6 @@ struct EvaluateOptions {
     bool json = false;
 };
 
-std::string per_frame_csv(const std::vector<EvaluatedFrame>& frames) {
-    std::string text = "frame,status";
-    for (const auto& [name, field] : metric_fields()) text += "," + name;
-    text += "\n";
-    for (const EvaluatedFrame& f : frames) {
-        text += fmt::format("{},{}", f.frame, scenes::to_string(f.status));
-        for (const auto& [name, field] : metric_fields())
-            text += f.has_curve ? fmt::format(",{:.6f}", f.metrics.*field) : ",";
-        text += "\n";
-    }
-    return text;
-}
-
 int evaluate(const EvaluateOptions& options) {
     const scenes::StereoRig rig =
         scenes::load_calibration(fs::path(options.sequence) / "calib" / "stereo.yaml");

@@ -3,7 +3,11 @@
 #include <memory>
 
 #include "experiments/commands.hpp"
+#include "experiments/dataset.hpp"
 #include "experiments/exit_status.hpp"
+#include "experiments/result_tables.hpp"
+#include "experiments/sequence.hpp"
+#include "experiments/track_reader.hpp"
 #include "scenes/calibration_file.hpp"
 #include "scenes/file_error.hpp"
 #include "scenes/scene_file.hpp"
@@ -17,6 +21,7 @@ struct InfoOptions {
     std::string path;
     bool cameras = false;
     bool scene_keys = false;
+    bool verify = false;
     std::vector<std::string> overrides;
 };
 
@@ -59,6 +64,48 @@ bool looks_like_calibration(const fs::path& path) {
     return scenes::read_text_file(path, 4 << 20).starts_with("%YAML:1.0");
 }
 
+int describe_dataset_folder(const fs::path& path, bool verify) {
+    const auto dataset =
+        nlohmann::ordered_json::parse(scenes::read_text_file(path / "dataset.json", 1 << 30), nullptr, false);
+    if (verify) verify_dataset(path);
+    try {
+        fmt::print("dataset            {}: {} sequences, {} stereo frames, {:.1f} MB\n",
+                   dataset.at("name").get<std::string>(), dataset.at("count").get<long>(),
+                   dataset.at("frames").get<long>(), 1e-6 * dataset.at("bytes").get<double>());
+        for (const auto& [split, names] : dataset.at("splits").items())
+            fmt::print("{:<19}{} sequences\n", split, names.size());
+    } catch (const nlohmann::json::exception&) {
+        throw scenes::FileError((path / "dataset.json").string(),
+                                "a key is missing or of another type, expected the file as it was written");
+    }
+    return kDone;
+}
+
+int describe_folder(const fs::path& path, bool verify) {
+    if (fs::exists(path / "dataset.json")) {
+        describe_dataset_folder(path, verify);
+    } else if (fs::exists(path / "calib") && fs::is_directory(path / "left")) {
+        const Sequence sequence = Sequence::open(path);
+        fmt::print("sequence           {} frames, {:.3f} to {:.3f} s\n", sequence.frames(),
+                   sequence.time_s(0), sequence.time_s(sequence.frames() - 1));
+        print_rig(sequence.rig(), 0.1);
+        if (verify) verify_sequence(path);
+    } else if (fs::exists(path / "track.csv")) {
+        const auto frames = read_track(path);
+        long lost = 0;
+        for (const TrackedFrame& frame : frames) lost += frame.estimate.samples.empty() ? 1 : 0;
+        fmt::print("track              {} frames, {} without a curve\n", frames.size(), lost);
+    } else if (fs::exists(path / "experiment.json")) {
+        fmt::print("{}", markdown_tables(read_results(path)));
+    } else {
+        throw scenes::FileError(
+            path.string(),
+            "nothing known in this folder, expected a calibration, sequence, dataset, track or experiment");
+    }
+    if (verify) fmt::print("verified\n");
+    return kDone;
+}
+
 int info(const InfoOptions& options) {
     if (options.cameras) return list_cameras();
     if (options.scene_keys) {
@@ -72,20 +119,20 @@ int info(const InfoOptions& options) {
         print_rig(scenes::load_calibration(path), 0.1);
         return kDone;
     }
-    if (fs::is_directory(path))
-        throw scenes::FileError(options.path,
-                                "nothing known in this folder, expected a scene or a calibration");
+    if (fs::is_directory(path)) return describe_folder(path, options.verify);
     return describe_scene(path, options.overrides);
 }
 
 }  // namespace
 
 void add_info_command(CLI::App& program, Command& chosen) {
-    CLI::App* app = program.add_subcommand("info", "checks and describes a scene or a calibration");
+    CLI::App* app = program.add_subcommand(
+        "info", "checks and describes a scene, calibration, sequence, dataset, track or experiment");
     const auto options = std::make_shared<InfoOptions>();
     app->add_option("PATH", options->path, "scene file, calibration file or folder");
     app->add_flag("--cameras", options->cameras, "list the camera presets with their sources");
     app->add_flag("--scene-keys", options->scene_keys, "print the reference of scene files (docs/scene.md)");
+    app->add_flag("--verify", options->verify, "recompute the checksums of a sequence or dataset");
     app->add_option("--set", options->overrides, "override a scene key: key.path=value")
         ->expected(1)
         ->take_all();

@@ -48,6 +48,11 @@ int parse_and_run(int argc, char** argv) {
     add_render_command(program, chosen);
     add_track_command(program, chosen);
     add_evaluate_command(program, chosen);
+    add_experiment_command(program, chosen);
+    add_merge_command(program, chosen);
+    add_check_command(program, chosen);
+    add_figure_command(program, chosen);
+    add_import_command(program, chosen);
     add_info_command(program, chosen);
     if (argc > 1 && argv[1][0] != '-' && !knows(program, argv[1]))
         return complain(unknown_command(program, argv[1]), kBadInput);

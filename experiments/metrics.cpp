@@ -182,6 +182,38 @@ nlohmann::ordered_json summarise(const std::vector<EvaluatedFrame>& frames) {
     return summary;
 }
 
+const std::vector<std::string>& deformation_names() {
+    static const std::vector<std::string> names = {"deformation_3d_mm", "deformation_2d_px"};
+    return names;
+}
+
+nlohmann::ordered_json deformation(const std::vector<Polyline>& spans_C, const scenes::StereoRig& rig) {
+    constexpr int kPoints = 8;
+    std::vector<double> moved_mm, moved_px;
+    for (size_t i = 1; i < spans_C.size(); ++i) {
+        const Polyline before = spans_C[i - 1].resampled(kPoints), after = spans_C[i].resampled(kPoints);
+        for (size_t k = 0; k < kPoints; ++k) {
+            moved_mm.push_back(1e3 * (after.points[k] - before.points[k]).norm());
+            moved_px.push_back(
+                (rig.project_left(after.points[k]) - rig.project_left(before.points[k])).norm());
+        }
+    }
+    return {{deformation_names()[0], statistics(moved_mm)}, {deformation_names()[1], statistics(moved_px)}};
+}
+
+std::string per_frame_csv(const std::vector<EvaluatedFrame>& frames) {
+    std::string text = "frame,status";
+    for (const auto& [name, field] : metric_fields()) text += "," + name;
+    text += "\n";
+    for (const EvaluatedFrame& f : frames) {
+        text += fmt::format("{},{}", f.frame, scenes::to_string(f.status));
+        for (const auto& [name, field] : metric_fields())
+            text += f.has_curve ? fmt::format(",{:.6f}", f.metrics.*field) : ",";
+        text += "\n";
+    }
+    return text;
+}
+
 std::string summary_table(const nlohmann::ordered_json& summary) {
     std::string text = fmt::format("{:<26}{:>10}{:>10}{:>10}{:>10}\n", "", "mean", "std", "p95", "max");
     for (const auto& [name, value] : summary.items()) {

@@ -46,6 +46,15 @@ struct EvaluatedFrame {
 /// Statistics over frames: lost frames are left out of the means, and counted.
 nlohmann::ordered_json summarise(const std::vector<EvaluatedFrame>& frames);
 
+/// How far eight points at equal steps of arc length move from one true span to the next (Table I's columns
+/// of deformation): deformation_3d_mm, deformation_2d_px (left picture).
+nlohmann::ordered_json deformation(const std::vector<scenes::Polyline>& spans_C,
+                                   const scenes::StereoRig& rig);
+const std::vector<std::string>& deformation_names();
+
+/// The metrics of each frame as a CSV text; empty fields where there is no curve.
+std::string per_frame_csv(const std::vector<EvaluatedFrame>& frames);
+
 /// A summary as a text table.
 std::string summary_table(const nlohmann::ordered_json& summary);
 

@@ -21,21 +21,23 @@ void check_output(const fs::path& target, bool force) {
         throw FileError(target.string(), "folder is not empty, expected a new one or --force");
 }
 
-OutputFolder::OutputFolder(fs::path target, bool force) : target_(std::move(target)) {
+OutputFolder::OutputFolder(fs::path target, bool force, Leftover leftover)
+    : target_(std::move(target)), leftover_(leftover) {
     while (target_.filename().empty() && target_.has_parent_path() && target_ != target_.root_path())
         target_ = target_.parent_path();  // a trailing slash
     check_output(target_, force);
     partial_ = target_;
     partial_ += ".partial";
     std::error_code error;
-    fs::remove_all(partial_, error);
+    if (leftover_ != Leftover::kContinue) fs::remove_all(partial_, error);
     fs::create_directories(partial_, error);
     if (error) throw FileError(partial_.string(), "can't be made: " + error.message());
 }
 
 OutputFolder::~OutputFolder() {
     std::error_code error;
-    if (!committed_) fs::remove_all(partial_, error);
+    if (!committed_ && (leftover_ == Leftover::kRemove || fs::is_empty(partial_, error)))
+        fs::remove_all(partial_, error);
 }
 
 void OutputFolder::commit() {

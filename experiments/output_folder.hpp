@@ -9,9 +9,16 @@ namespace atropos::experiments {
 /// commit(), removed by the destructor otherwise.
 class OutputFolder {
   public:
+    /// What is done with an interrupted run's `NAME.partial`, and with this one's when it fails.
+    enum class Leftover {
+        kRemove,
+        kKeepOnFailure,  ///< begins anew, leaves what it has when it fails
+        kContinue,       ///< goes on with what is there
+    };
+
     /// Throws scenes::FileError when `target` is a non-empty folder and not `force`, a file, or can't be
     /// made.
-    OutputFolder(std::filesystem::path target, bool force);
+    OutputFolder(std::filesystem::path target, bool force, Leftover leftover = Leftover::kRemove);
     ~OutputFolder();
     OutputFolder(const OutputFolder&) = delete;
     OutputFolder& operator=(const OutputFolder&) = delete;
@@ -26,6 +33,7 @@ class OutputFolder {
   private:
     std::filesystem::path target_;
     std::filesystem::path partial_;
+    Leftover leftover_;
     bool committed_ = false;
 };
 

@@ -133,6 +133,12 @@ std::string encode_png(const cv::Mat& picture) {
     return {bytes.begin(), bytes.end()};
 }
 
+void write_jpeg(const fs::path& file, const cv::Mat& picture) {
+    std::vector<unsigned char> bytes;
+    cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, 85});
+    write_file(file, {bytes.begin(), bytes.end()});
+}
+
 void write_png(const fs::path& file, const cv::Mat& picture) {
     write_file(file, encode_png(picture));
 }

@@ -17,6 +17,9 @@ cv::Size picture_size(const std::filesystem::path& file);
 /// PNG bytes of 8-bit gray, 8-bit BGR or 16-bit gray pictures; the same bytes for the same pixels.
 std::string encode_png(const cv::Mat& picture);
 
+/// Quality 85.
+void write_jpeg(const std::filesystem::path& file, const cv::Mat& picture);
+
 void write_png(const std::filesystem::path& file, const cv::Mat& picture);
 
 }  // namespace atropos::experiments

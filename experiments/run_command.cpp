@@ -6,6 +6,7 @@
 #include "experiments/closed_loop.hpp"
 #include "experiments/commands.hpp"
 #include "experiments/exit_status.hpp"
+#include "experiments/external_tracker.hpp"
 #include "experiments/output_folder.hpp"
 #include "experiments/progress_meter.hpp"
 #include "experiments/run_recorder.hpp"
@@ -17,6 +18,7 @@ namespace {
 struct RunOptions {
     std::string scene, output;
     bool no_video = false;
+    ExternalTrackerOptions external;
     CommonOptions common;
 };
 
@@ -26,7 +28,13 @@ int run(const RunOptions& options) {
     scene.tracking.tracker.threads = options.common.threads;
     OutputFolder output(options.output, options.common.force);
     const auto start = std::chrono::steady_clock::now();
-    ClosedLoop loop(scene);
+    std::string log;
+    ClosedLoop::TrackerMaker external;
+    if (!options.external.command.empty())
+        external = [&](const scenes::StereoRig& rig) {
+            return make_external_tracker(options.external, rig, log, options.common.quiet);
+        };
+    ClosedLoop loop(scene, external);
     RunRecorder recorder(output.path(), loop, !options.no_video);
     ProgressMeter meter("run", loop.frames(), options.common.quiet);
     loop.run([&](const LoopFrame& frame) {
@@ -35,6 +43,7 @@ int run(const RunOptions& options) {
     });
     const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const nlohmann::ordered_json summary = recorder.finish(wall_s);
+    if (external) write_file(output.path() / "track" / "tracker.log", log);
     output.commit();
     const std::string verdict = summary["verdict"];
     fmt::print("{}: {}\n", verdict, summary["reason"].get<std::string>());
@@ -49,6 +58,7 @@ void add_run_command(CLI::App& program, Command& chosen) {
     app->add_option("SCENE", options->scene, "scene file")->required();
     app->add_option("-o,--output", options->output, "folder of the run")->required();
     app->add_flag("--no-video", options->no_video, "without video.mp4");
+    add_external_tracker_options(*app, options->external);
     add_common_options(*app, options->common);
     app->footer("Example: atropos run scenes/auto_scissors.yaml -o results/run --seed 7");
     app->callback([&chosen, options] { chosen = [options] { return run(*options); }; });

@@ -17,7 +17,8 @@ using Eigen::Vector3d;
 using nlohmann::ordered_json;
 namespace {
 
-constexpr double kDepthScale = 64.0;  ///< steps of a mm
+constexpr double kDepthScale = 64.0;      ///< steps of a mm
+constexpr double kDisparityScale = 64.0;  ///< steps of a px
 
 cv::Mat depth_picture(const cv::Mat& depth_m) {
     cv::Mat picture;
@@ -65,6 +66,12 @@ SequenceWriter::SequenceWriter(fs::path folder, const Testbed& testbed, const Se
         if (layers_.mask) fs::create_directories(folder_ / "truth" / ("mask_" + eye));
         if (layers_.coverage) fs::create_directories(folder_ / "truth" / ("coverage_" + eye));
     }
+    if (layers_.rectified) {
+        for (const char* name : {"rectified/left", "rectified/right", "truth/disparity_left",
+                                 "truth/disparity_right", "truth/occlusion_left", "truth/occlusion_right"})
+            fs::create_directories(folder_ / name);
+        rectifier_ = std::make_unique<Rectifier>(testbed.rig());
+    }
     write_file(folder_ / "scene.yaml", scenes::to_yaml(testbed.scene()));
     write_file(folder_ / "calib" / "stereo.yaml", scenes::to_opencv_yaml(testbed.rig()));
     write_file(folder_ / "calib" / "left.yaml", scenes::to_ros_yaml(testbed.rig(), false));
@@ -99,6 +106,24 @@ void SequenceWriter::write_pictures(const View& view) {
         if (layers_.coverage)
             write_png(truth / ("coverage_" + eye) / name, coverage_picture(frame->coverage));
     }
+    if (rectifier_) write_rectified(view);
+}
+
+void SequenceWriter::write_rectified(const View& view) {
+    const std::string name = fmt::format("{:06d}.png", frame_);
+    const RectifiedPair pair =
+        rectifier_->rectify(view.left, view.right, view.truth.left.depth_m, view.truth.right.depth_m);
+    const auto disparity_picture = [](const cv::Mat1f& disparity_px) {
+        cv::Mat picture;
+        disparity_px.convertTo(picture, CV_16U, kDisparityScale);
+        return picture;
+    };
+    write_png(folder_ / "rectified" / "left" / name, pair.left);
+    write_png(folder_ / "rectified" / "right" / name, pair.right);
+    write_png(folder_ / "truth" / "disparity_left" / name, disparity_picture(pair.disparity_left));
+    write_png(folder_ / "truth" / "disparity_right" / name, disparity_picture(pair.disparity_right));
+    write_png(folder_ / "truth" / "occlusion_left" / name, pair.occlusion_left);
+    write_png(folder_ / "truth" / "occlusion_right" / name, pair.occlusion_right);
 }
 
 void SequenceWriter::write_tips(const Testbed& testbed) {
@@ -163,6 +188,7 @@ void SequenceWriter::finish(const Testbed& testbed, const ordered_json& extra) {
     meta["versions"] = {{"atropos", version_number()}};
     for (int i = 0; i < kArms; ++i) meta["tools"][testbed.arm(i).name()] = testbed.arm(i).psm().tool().name;
     meta["depth_scale"] = kDepthScale;
+    if (rectifier_) meta["disparity_scale"] = kDisparityScale;
     meta["labels"] = {{"background", 0}, {"thread", 1}, {"tissue", 2}, {"PSM1", 3},
                       {"PSM2", 4},       {"PSM3", 5},   {"needle", 6}, {"other", 7}};
     meta.update(extra);

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "experiments/append_file.hpp"
 #include "experiments/endoscope_view.hpp"
+#include "experiments/rectifier.hpp"
 #include "experiments/testbed.hpp"
 
 namespace atropos::experiments {
@@ -21,6 +23,8 @@ struct SequenceLayers {
     bool depth = true;
     bool mask = true;
     bool coverage = true;
+    bool rectified =
+        false;  ///< rectified/left, rectified/right, and truth/ disparity_, occlusion_ of both eyes
 };
 
 /// Writes a sequence folder (design: "Sequence") frame by frame.
@@ -37,11 +41,13 @@ class SequenceWriter {
 
   private:
     void write_pictures(const View& view);
+    void write_rectified(const View& view);
     void write_tips(const Testbed& testbed);
     void write_kinematics(const Testbed& testbed);
 
     std::filesystem::path folder_;
     SequenceLayers layers_;
+    std::unique_ptr<Rectifier> rectifier_;
     int frame_ = 0;
     std::vector<double> frame_times_s_;
     AppendFile frames_, tips_, kinematics_, thread_, true_kinematics_;

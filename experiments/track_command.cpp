@@ -7,6 +7,7 @@
 #include "experiments/commands.hpp"
 #include "experiments/exit_status.hpp"
 #include "experiments/explain.hpp"
+#include "experiments/external_tracker.hpp"
 #include "experiments/output_folder.hpp"
 #include "experiments/overlay.hpp"
 #include "experiments/picture_file.hpp"
@@ -27,6 +28,7 @@ struct TrackOptions {
     std::string sequence, output, method, config;
     bool overlay = false;
     int explain = -1;
+    ExternalTrackerOptions external;
     CommonOptions common;
 };
 
@@ -50,11 +52,13 @@ const char* method_name(scenes::TrackerMethod method) {
                                                   : "refined";
 }
 
-nlohmann::ordered_json track_meta(const Sequence& sequence, const scenes::SceneConfig& scene) {
+nlohmann::ordered_json track_meta(const Sequence& sequence, const scenes::SceneConfig& scene,
+                                  const std::string& command) {
     nlohmann::ordered_json meta;
     meta["sequence"] = fs::weakly_canonical(sequence.folder()).filename().string();
     meta["frames"] = sequence.frames();
-    meta["method"] = method_name(scene.tracking.tracker.method);
+    meta["method"] = command.empty() ? method_name(scene.tracking.tracker.method) : "external";
+    if (!command.empty()) meta["command"] = command;
     meta["version"] = version_number();
     // The whole settings: the section `tracker` of the resolved scene.
     const std::string text = scenes::to_yaml(scene);
@@ -73,12 +77,18 @@ int track(const TrackOptions& options) {
     check_output(options.output, options.common.force);
     const Sequence sequence = Sequence::open(options.sequence);
     const scenes::SceneConfig scene = settings(options);
-    const auto tracker = tracker::make_tracker(scene.tracking.tracker, sequence.rig());
+    const bool external = !options.external.command.empty();
+    if (external && options.explain >= 0)
+        throw FileError("--explain", "looks into our own trackers only, not into --tracker");
+    std::string log;
+    const std::unique_ptr<tracker::StereoTracker> tracker =
+        external ? make_external_tracker(options.external, sequence.rig(), log, options.common.quiet)
+                 : tracker::make_tracker(scene.tracking.tracker, sequence.rig());
     if (options.explain >= sequence.frames())
         throw FileError("--explain", fmt::format("{} is beyond the last frame, {}", options.explain,
                                                  sequence.frames() - 1));
     OutputFolder output(options.output, options.common.force);
-    print_labels(scene.tracking.tracker, options.common.quiet);
+    if (!external) print_labels(scene.tracking.tracker, options.common.quiet);
 
     TrackWriter writer;
     std::unique_ptr<VideoWriter> video;
@@ -108,7 +118,8 @@ int track(const TrackOptions& options) {
     if (video) video->close();
     if (options.explain >= 0)
         explain_frame(*tracker, before, sequence, options.explain, output.path() / "explain");
-    writer.write(output.path(), track_meta(sequence, scene));
+    writer.write(output.path(), track_meta(sequence, scene, options.external.command));
+    if (external) write_file(output.path() / "tracker.log", log);
     output.commit();
     return kDone;
 }
@@ -128,6 +139,7 @@ void add_track_command(CLI::App& program, Command& chosen) {
     app->add_flag("--overlay", options->overlay, "pictures with the curve drawn in, and overlay.mp4");
     app->add_option("--explain", options->explain, "write every step of this frame as pictures and tables")
         ->type_name("FRAME");
+    add_external_tracker_options(*app, options->external);
     add_common_options(*app, options->common);
     app->footer("Example: atropos track results/data/sequence_000000 -o results/track --method e2 --overlay");
     app->callback([&chosen, options] { chosen = [options] { return track(*options); }; });

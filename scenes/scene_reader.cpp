@@ -40,6 +40,7 @@ class Reader final : public FieldVisitor {
     void read(SceneConfig& scene) {
         if (!node_.IsMap()) document_.fail(node_, "expected `key: value` lines");
         seen_.insert("include");
+        seen_.insert("randomise");  // read by draw_randomised
         visit_fields(*this, scene);
         refuse_unknown();
     }

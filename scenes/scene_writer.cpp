@@ -130,7 +130,12 @@ std::string scene_reference_markdown() {
            "reads another\n"
            "scene first; `--set key.path=value` overrides on the command line. Units stand in the keys. "
            "Paths are relative to the\n"
-           "file that names them, then to the share folder.\n\n" +
+           "file that names them, then to the share folder.\n\n"
+           "`randomise:` leaves keys to chance: `key.path: [low, high]` (uniform), `{log: [low, high]}`, "
+           "`{whole: "
+           "[low, high]}`,\n"
+           "`{choice: [a, b]}`. `atropos generate` draws them anew for each sequence and records the values; "
+           "all other commands\nuse the keys as they stand.\n\n" +
            documenter.text_ + documenter.sections_;
 }
 
