@@ -13,6 +13,7 @@ using scenes::FileError;
 namespace {
 
 constexpr double kDefaultFps = 30.0;
+constexpr int kSmallest_px = 16;  // less shows no thread
 constexpr long kMaxFrames = 10'000'000;
 
 /// Pictures of one eye, numbered 000000 onwards without a gap.
@@ -42,6 +43,12 @@ Sequence Sequence::open(const fs::path& folder) {
     Sequence sequence;
     sequence.folder_ = folder;
     sequence.rig_ = scenes::load_calibration(folder / "calib" / "stereo.yaml");
+    for (const scenes::Camera& camera : {sequence.rig_.left, sequence.rig_.right})
+        if (std::min(camera.width_px, camera.height_px) < kSmallest_px)
+            throw FileError((folder / "calib" / "stereo.yaml").string(),
+                            "images of " + std::to_string(camera.width_px) + "x" +
+                                std::to_string(camera.height_px) + " pixels, expected " +
+                                std::to_string(kSmallest_px) + " or more each way");
     sequence.left_ = pictures(folder / "left");
     sequence.right_ = pictures(folder / "right");
     if (sequence.left_.size() != sequence.right_.size())

@@ -161,6 +161,10 @@ void visit_tracker(FieldVisitor& v, TrackingConfig& c) {
         v.integer({"coasting_frames", "unseen for longer: lost"}, t.refined.coasting_frames, 0, 100000);
         v.flag({"recovery", "discrete search after a failed loss test"}, t.refined.recovery);
     });
+    v.section({"uncertainty", "one standard deviation of e1 and e2, at 640 wide; 0: the method's own"}, [&] {
+        v.number({"lateral_px", "across the viewing ray"}, t.uncertainty.lateral_px, {0.0, 100.0});
+        v.number({"disparity_px", "along it"}, t.uncertainty.disparity_px, {0.0, 100.0});
+    });
     v.section({"end", "the soft ends of eq. 19"}, [&] {
         v.number({"epsilon_mm", "free distance"}, t.tips.epsilon_m, {0.0, 50.0});
         v.number({"weight_per_m", "px at 640 wide, per m"}, t.tips.weight_per_m, {0.0, 1e7});

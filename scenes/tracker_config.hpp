@@ -78,6 +78,13 @@ struct TrackerConfig {
         double weight_per_m = 20000.0;  ///< px at 640 per m
     } tips;
 
+    /// One standard deviation of the curves of E1 and E2, at 640; 0 = the method's own, measured on the
+    /// paper's camera (docs/method.md). Another camera wants its own.
+    struct Uncertainty {
+        double lateral_px = 0.0;    ///< across the viewing ray
+        double disparity_px = 0.0;  ///< along it
+    } uncertainty;
+
     /// The continuous refinement (method kRefined); shares `thread`, `labels` and `cost_image` with the
     /// paper's methods, which find the curve again when it is lost.
     struct Refined {

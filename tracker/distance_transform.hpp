@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <opencv2/core.hpp>
 #include <vector>
 
 namespace atropos::tracker {
@@ -13,10 +14,10 @@ class DistanceTransform {
     static constexpr int kMaxTruncation = 180;
 
     /// `mask`: nonzero on ridges, `width` x `height` pixels with `mask_stride` between rows. `squared`
-    /// becomes min(d, truncation)^2 in px^2, same size, stride `squared_stride`. Throws std::invalid_argument
-    /// unless 1 <= truncation <= kMaxTruncation.
+    /// becomes min(d, truncation)^2 in px^2 of the pixels of `wanted`, stride `squared_stride`. Throws
+    /// std::invalid_argument unless 1 <= truncation <= kMaxTruncation.
     void apply(const std::uint8_t* mask, int mask_stride, int width, int height, int truncation,
-               std::uint16_t* squared, int squared_stride);
+               const cv::Rect& wanted, std::uint16_t* squared, int squared_stride);
 
     /// Makes room for pictures of this size, so that smaller ones allocate nothing.
     void reserve(int width, int height, int truncation);

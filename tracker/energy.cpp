@@ -6,8 +6,8 @@
 namespace atropos::tracker {
 namespace {
 
-double cost_px(const EnergyContext& context, std::size_t eye, const Eigen::Vector3d& p_C) {
-    const Eigen::Vector2d pixel = context.eyes[eye].pixel(context.eyes[eye].homogeneous(p_C));
+double cost_px(const EnergyContext& context, std::size_t eye, const Eigen::Vector3d& seen) {
+    const Eigen::Vector2d pixel = context.eyes[eye].pixel(seen);
     return context.weights.px_scale *
            context.costs[eye]->at(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
 }
@@ -23,9 +23,8 @@ EnergyTerms energy(const EnergyContext& context, std::span<const Eigen::Vector3d
     const CurveSampling& sampling = context.sampling;
     EnergyTerms terms;
     for (int j = 0; j < sampling.samples(); ++j) {
-        const Eigen::Vector3d p_C = sampling.point(control_points, j);
-        for (std::size_t eye = 0; eye < 2; ++eye)
-            terms.data += 0.5 * sampling.du() * cost_px(context, eye, p_C);  // eq. 5, 6
+        for (std::size_t eye = 0; eye < 2; ++eye)  // eq. 5, 6
+            terms.data += 0.5 * sampling.du() * cost_px(context, eye, context.seen(eye, control_points, j));
         const double speed = sampling.velocity(control_points, j).norm();
         const double stretch = 1.0 - speed / context.reference_speed_m[static_cast<std::size_t>(j)];
         terms.length += sampling.du() * stretch * stretch;  // eq. 7
@@ -42,10 +41,9 @@ EnergyTerms energy(const EnergyContext& context, std::span<const Eigen::Vector3d
 double support(const EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
                double within_px) {
     int seen = 0;
-    for (int j = 0; j < context.sampling.samples(); ++j) {
-        const Eigen::Vector3d p_C = context.sampling.point(control_points, j);
-        for (std::size_t eye = 0; eye < 2; ++eye) seen += cost_px(context, eye, p_C) <= within_px ? 1 : 0;
-    }
+    for (int j = 0; j < context.sampling.samples(); ++j)
+        for (std::size_t eye = 0; eye < 2; ++eye)
+            seen += cost_px(context, eye, context.seen(eye, control_points, j)) <= within_px ? 1 : 0;
     return seen / (2.0 * context.sampling.samples());
 }
 

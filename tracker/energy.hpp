@@ -20,6 +20,9 @@ struct EnergyWeights {
     double tip_per_m = 20000.0;
 };
 
+/// Homogeneous control points of both image curves, in the eyes' coordinates.
+using ImageControlPoints = std::array<std::vector<Eigen::Vector3d>, 2>;
+
 /// What the energies are taken on: both eyes, their cost images, the ends, and the speed to be kept.
 struct EnergyContext {
     const CurveSampling& sampling;
@@ -28,6 +31,13 @@ struct EnergyContext {
     std::span<const double> reference_speed_m;  ///< |C'_ref(u_j)|, one a sample
     std::array<std::optional<MeasuredTip>, 2> tips;
     EnergyWeights weights;
+    const ImageControlPoints* image_points = nullptr;  ///< 2D parameterisation: unknowns of their own
+
+    /// Homogeneous image of C(u_j) (eq. 3): of the curve in space, or from the image's own control points.
+    Eigen::Vector3d seen(std::size_t eye, std::span<const Eigen::Vector3d> control_points, int j) const {
+        return image_points ? sampling.point((*image_points)[eye], j)
+                            : eyes[eye].homogeneous(sampling.point(control_points, j));
+    }
 };
 
 /// |x|_eps of eq. 19: 0 up to epsilon, the norm beyond.

@@ -31,4 +31,9 @@ std::array<Eye, 2> make_eyes(const scenes::StereoRig& rig) {
     return {Eye(rig.left, Eigen::Isometry3d::Identity(), distorted), Eye(rig.right, rig.X_RC, distorted)};
 }
 
+bool rows_agree(const std::array<Eye, 2>& eyes) {
+    return !eyes[0].is_distorted() && eyes[0].M().bottomRows(2) == eyes[1].M().bottomRows(2) &&
+           eyes[0].m().tail(2) == eyes[1].m().tail(2);
+}
+
 }  // namespace atropos::tracker

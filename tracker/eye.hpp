@@ -20,6 +20,7 @@ class Eye {
 
     const Eigen::Matrix3d& M() const { return M_; }
     Eigen::Vector3d homogeneous(const Eigen::Vector3d& p_C) const { return M_ * p_C + m_; }
+    const Eigen::Vector3d& m() const { return m_; }
     bool is_distorted() const { return distorted_; }
 
     /// Pixel of homogeneous coordinates with depth at least `kNearest`.
@@ -45,37 +46,53 @@ class Eye {
 /// Left and right camera of a rig; both distort when one of them does.
 std::array<Eye, 2> make_eyes(const scenes::StereoRig& rig);
 
-/// Bilinear cost at eight pixels (u, v), in steps of the image's unit; clamped to the border.
-inline __m256 bilinear(const CostImage& image, __m256 u, __m256 v) {
-    // The operand order of min and max makes NaN the border.
-    const __m256 x = _mm256_min_ps(_mm256_max_ps(u, _mm256_set1_ps(-1.0f)),
-                                   _mm256_set1_ps(static_cast<float>(image.width)));
-    const __m256 y = _mm256_min_ps(_mm256_max_ps(v, _mm256_set1_ps(-1.0f)),
-                                   _mm256_set1_ps(static_cast<float>(image.height)));
-    const __m256 x_floor = _mm256_floor_ps(x);
-    const __m256 y_floor = _mm256_floor_ps(y);
-    const __m256 tx = _mm256_sub_ps(x, x_floor);
-    const __m256 ty = _mm256_sub_ps(y, y_floor);
-    const __m256i index =
-        _mm256_add_epi32(_mm256_mullo_epi32(_mm256_cvttps_epi32(y_floor), _mm256_set1_epi32(image.stride)),
-                         _mm256_cvttps_epi32(x_floor));
-    const __m256i top = _mm256_i32gather_epi32(reinterpret_cast<const int*>(image.origin()), index, 1);
-    const __m256i low =
-        _mm256_i32gather_epi32(reinterpret_cast<const int*>(image.origin() + image.stride), index, 1);
+/// Whether both see every point in the same row and at the same depth: parallel, without distortion.
+bool rows_agree(const std::array<Eye, 2>& eyes);
+
+/// Where a coordinate falls between pixel centres: the one before it, and the share of the way to the next.
+struct Between {
+    __m256i pixel;
+    __m256 share;
+
+    /// Clamped to [-1, size]; the operand order of min and max makes NaN the border.
+    static Between of(__m256 coordinate, int size) {
+        const __m256 x = _mm256_min_ps(_mm256_max_ps(coordinate, _mm256_set1_ps(-1.0f)),
+                                       _mm256_set1_ps(static_cast<float>(size)));
+        const __m256 before = _mm256_floor_ps(x);
+        return {_mm256_cvttps_epi32(before), _mm256_sub_ps(x, before)};
+    }
+};
+
+/// Bilinear cost at eight places, in steps of the image's unit; `row_offset` = row times stride.
+inline __m256 bilinear(const CostImage& image, const Between& x, __m256i row_offset, __m256 y_share) {
+    const __m256i four = _mm256_i32gather_epi32(reinterpret_cast<const int*>(image.row(0)),
+                                                _mm256_add_epi32(row_offset, x.pixel), 2);
     const __m256i byte = _mm256_set1_epi32(255);
-    const auto along_row = [&](__m256i four) {
-        const __m256 first = _mm256_cvtepi32_ps(_mm256_and_si256(four, byte));
-        const __m256 second = _mm256_cvtepi32_ps(_mm256_and_si256(_mm256_srli_epi32(four, 8), byte));
-        return _mm256_add_ps(first, _mm256_mul_ps(tx, _mm256_sub_ps(second, first)));
-    };
-    const __m256 above = along_row(top);
-    return _mm256_add_ps(above, _mm256_mul_ps(ty, _mm256_sub_ps(along_row(low), above)));
+    const auto value = [](__m256i word) { return _mm256_cvtepi32_ps(word); };
+    const __m256 here = value(_mm256_and_si256(four, byte));
+    const __m256 below = value(_mm256_and_si256(_mm256_srli_epi32(four, 8), byte));
+    const __m256 right = value(_mm256_and_si256(_mm256_srli_epi32(four, 16), byte));
+    const __m256 across = value(_mm256_srli_epi32(four, 24));
+    const __m256 above = _mm256_add_ps(here, _mm256_mul_ps(x.share, _mm256_sub_ps(right, here)));
+    const __m256 under = _mm256_add_ps(below, _mm256_mul_ps(x.share, _mm256_sub_ps(across, below)));
+    return _mm256_add_ps(above, _mm256_mul_ps(y_share, _mm256_sub_ps(under, above)));
+}
+
+/// The same at eight pixels (u, v), clamped to the border.
+inline __m256 bilinear(const CostImage& image, __m256 u, __m256 v) {
+    const Between y = Between::of(v, image.height);
+    return bilinear(image, Between::of(u, image.width),
+                    _mm256_mullo_epi32(y.pixel, _mm256_set1_epi32(image.stride)), y.share);
+}
+
+/// 1 / z of points no nearer than `Eye::kNearest`.
+inline __m256 inverse_depth(__m256 z) {
+    return _mm256_div_ps(_mm256_set1_ps(1.0f), _mm256_max_ps(z, _mm256_set1_ps(float(Eye::kNearest))));
 }
 
 template <bool kDistorted>
 __m256 Eye::look_up(const CostImage& image, __m256 x, __m256 y, __m256 z) const {
-    const __m256 inverse =
-        _mm256_div_ps(_mm256_set1_ps(1.0f), _mm256_max_ps(z, _mm256_set1_ps(float(kNearest))));
+    const __m256 inverse = inverse_depth(z);
     __m256 u = _mm256_mul_ps(x, inverse);
     __m256 v = _mm256_mul_ps(y, inverse);
     if constexpr (kDistorted) {  // OpenCV's rational model, as scenes::Camera::distort

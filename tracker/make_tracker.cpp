@@ -74,6 +74,9 @@ void validate(const scenes::TrackerConfig& config) {
     require_range("lambda1_e2", config.lambda1_e2, 0.0, 1e9);
     require_range("tips.epsilon_m", config.tips.epsilon_m, 0.0, 1.0);
     require_range("tips.weight_per_m", config.tips.weight_per_m, 0.0, 1e12);
+    require_range("lambda_stereo", config.lambda_stereo, 0.0, 1e9);
+    require_range("uncertainty.lateral_px", config.uncertainty.lateral_px, 0.0, 1000.0);
+    require_range("uncertainty.disparity_px", config.uncertainty.disparity_px, 0.0, 1000.0);
     require_range("refined.control_points", config.refined.control_points, 4, 64);
     require_range("refined.samples", config.refined.samples, 2 * config.refined.control_points, 1000);
     require_range("refined.search_px", config.refined.search_px, 4.0, 40.0);
@@ -90,8 +93,6 @@ std::unique_ptr<StereoTracker> make_tracker(const scenes::TrackerConfig& config,
     validate(config);
     if (config.method == scenes::TrackerMethod::kRefined)
         return std::make_unique<RefinedTracker>(config, rig);
-    require(config.parameterisation == scenes::Parameterisation::k3d,
-            "the 2D parameterisation is not built, expected 3d");
     return std::make_unique<ThreadTracker>(config, rig);
 }
 

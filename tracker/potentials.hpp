@@ -15,25 +15,45 @@ namespace atropos::tracker {
 /// eyes see them (M l, eq. 3). Same number for every node; label 0 is no displacement.
 class NodeLabels {
   public:
+    static constexpr int kMost = 200;  ///< labels a node, in whole vectors: enough for r = 8
+
+    /// Throws std::invalid_argument for more than kMost labels.
     NodeLabels(int nodes, int labels);
 
+    /// All labels of a node from displacements in space (m); no cost of their own.
     void set(int node, std::span<const Eigen::Vector3d> displacements, const std::array<Eye, 2>& eyes);
+
+    /// One label: in space, in the homogeneous coordinates of both eyes, and what choosing it costs by
+    /// itself.
+    void set(int node, int label, const Eigen::Vector3d& displacement,
+             const std::array<Eigen::Vector3d, 2>& seen, float cost);
 
     int labels() const { return labels_; }
     int stride() const { return stride_; }
-    Eigen::Vector3d displacement(int node, int label) const;
+    Eigen::Vector3d displacement(int node, int label) const { return exact_[index(node, label)].in_space; }
+    Eigen::Vector3d seen(int node, int label, std::size_t eye) const {
+        return exact_[index(node, label)].seen[eye];
+    }
+    float cost(int node, int label) const { return exact_[index(node, label)].cost; }
 
     /// Row of one coordinate: channel 0-2 in C, 3-5 homogeneous left, 6-8 homogeneous right.
     const float* row(int node, int channel) const { return values_.data() + offset(node, channel); }
 
   private:
+    struct Label {
+        Eigen::Vector3d in_space = Eigen::Vector3d::Zero();
+        std::array<Eigen::Vector3d, 2> seen = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+        float cost = 0.0f;
+    };
     std::size_t offset(int node, int channel) const {
         return static_cast<std::size_t>((node * 9 + channel) * stride_);
     }
+    std::size_t index(int node, int label) const { return static_cast<std::size_t>(node * labels_ + label); }
+
     int labels_;
     int stride_;
     std::vector<float> values_;
-    std::vector<Eigen::Vector3d> exact_;
+    std::vector<Label> exact_;
 };
 
 /// Fills the chain with one of the paper's two approximations of the energy around a curve. Both are the
@@ -59,8 +79,9 @@ class PotentialsE2 final : public Potentials {
               const NodeLabels& labels, WorkerPool& pool, ChainProblem& chain) override;
 };
 
-/// Adds the unary costs of measured ends (eq. 19); a fixed end may not move at all.
-void add_tip_costs(const EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
-                   const NodeLabels& labels, ChainProblem& chain);
+/// Adds the unary costs of measured ends (eq. 19), and those of the labels themselves; a fixed end may not
+/// move at all.
+void add_node_costs(const EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
+                    const NodeLabels& labels, ChainProblem& chain);
 
 }  // namespace atropos::tracker

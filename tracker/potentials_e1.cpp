@@ -12,10 +12,9 @@ void fill_node(const EnergyContext& context, std::span<const Eigen::Vector3d> co
     const CurveSampling::Range range = sampling.support(p);
     for (int j = range.first; j < range.last; ++j) {
         const double alpha = sampling.alpha(p, j);  // eq. 14
-        const Eigen::Vector3d p_C = sampling.point(control_points, j);
         const Vector8 velocity = Vector8::all(sampling.velocity(control_points, j));
-        const std::array<Vector8, 2> seen = {Vector8::all(context.eyes[0].homogeneous(p_C)),
-                                             Vector8::all(context.eyes[1].homogeneous(p_C))};
+        const std::array<Vector8, 2> seen = {Vector8::all(context.seen(0, control_points, j)),
+                                             Vector8::all(context.seen(1, control_points, j))};
         const __m256 R = _mm256_set1_ps(static_cast<float>(sampling.R(p, j)));
         const __m256 dR = _mm256_set1_ps(static_cast<float>(sampling.dR(p, j)));
         const __m256 w_length = _mm256_set1_ps(length_weight(context, alpha));
@@ -61,7 +60,7 @@ void PotentialsE1::fill(const EnergyContext& context, std::span<const Eigen::Vec
         if (p + 1 < chain.nodes())
             fill_smoothness(labels, p, context.weights.smooth_per_m, chain.stride(), chain.pairwise(p));
     });
-    add_tip_costs(context, control_points, labels, chain);
+    add_node_costs(context, control_points, labels, chain);
 }
 
 }  // namespace atropos::tracker

@@ -73,6 +73,7 @@ struct MeasureFactors {
     float either;     ///< more than any curvature when both signs count, else 0
     float blob;       ///< -1 / (2 beta^2)
     float contrast;   ///< -1 / (2 c^2)
+    float least;      ///< S^2 below which the value is surely not above the floor
 };
 
 /// Frangi's measure of eight pixels from the rows of the smoothed image above, through and below them.
@@ -89,8 +90,14 @@ inline __m256 measure(const float* above, const float* here, const float* below,
                                        _mm256_sub_ps(at(above + 1), at(above - 1)));
     const __m256 xy = _mm256_mul_ps(_mm256_mul_ps(curvature, set(0.25f)), cross);
     const __m256 mean = _mm256_mul_ps(set(0.5f), _mm256_add_ps(xx, yy));
+    const __m256 right_sign = _mm256_cmp_ps(_mm256_add_ps(mean, set(factors.either)), set(0.0f), _CMP_GT_OQ);
+    const __m256 xy_squared = _mm256_mul_ps(xy, xy);
+    const __m256 sum_of_squares = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(xx, xx), _mm256_mul_ps(yy, yy)),
+                                                _mm256_add_ps(xy_squared, xy_squared));  // S^2
+    const __m256 enough = _mm256_cmp_ps(sum_of_squares, set(factors.least), _CMP_GE_OQ);
+    if (_mm256_movemask_ps(_mm256_and_ps(right_sign, enough)) == 0) return _mm256_setzero_ps();
     const __m256 half = _mm256_mul_ps(set(0.5f), _mm256_sub_ps(xx, yy));
-    const __m256 spread = _mm256_sqrt_ps(_mm256_add_ps(_mm256_mul_ps(half, half), _mm256_mul_ps(xy, xy)));
+    const __m256 spread = _mm256_sqrt_ps(_mm256_add_ps(_mm256_mul_ps(half, half), xy_squared));
     const __m256 magnitude = _mm256_andnot_ps(sign, mean);
     const __m256 large = _mm256_add_ps(magnitude, spread);  // |l2|
     const __m256 small = _mm256_sub_ps(magnitude, spread);  // |l1|, up to its sign
@@ -101,7 +108,6 @@ inline __m256 measure(const float* above, const float* here, const float* below,
     const __m256 contrast =
         exp_negative(_mm256_mul_ps(set(factors.contrast), _mm256_add_ps(large_squared, small_squared)));
     const __m256 v = _mm256_mul_ps(line, _mm256_sub_ps(set(1.0f), contrast));
-    const __m256 right_sign = _mm256_cmp_ps(_mm256_add_ps(mean, set(factors.either)), set(0.0f), _CMP_GT_OQ);
     return _mm256_and_ps(v, right_sign);
 }
 
@@ -125,15 +131,18 @@ RidgeFilter::RidgeFilter(RidgeFilterOptions options) : options_(std::move(option
     reach_px_ = radius_px(largest) + 1;
 }
 
+void RidgeFilter::reserve(int width, int height) {
+    const std::size_t most = static_cast<std::size_t>(width + 2 * reach_px_ + kBlock) *
+                             static_cast<std::size_t>(height + 2 * reach_px_);
+    for (std::vector<float>* buffer : {&source_, &horizontal_, &smooth_}) buffer->reserve(most);
+}
+
 void RidgeFilter::apply(const float* gray, int width, int height, std::size_t stride, const cv::Rect& region,
                         std::vector<float>& ridge) {
     const std::size_t area = static_cast<std::size_t>(region.width) * static_cast<std::size_t>(region.height);
     ridge.assign(area, 0.0f);
     source_width_ = region.width + 2 * reach_px_ + kBlock;
     const int source_height = region.height + 2 * reach_px_;
-    const std::size_t most = static_cast<std::size_t>(width + 2 * reach_px_ + kBlock) *
-                             static_cast<std::size_t>(height + 2 * reach_px_);
-    for (std::vector<float>* buffer : {&source_, &horizontal_, &smooth_}) buffer->reserve(most);
     source_.resize(static_cast<std::size_t>(source_width_) * static_cast<std::size_t>(source_height));
     horizontal_.resize(source_.size());
     smooth_.resize(source_.size());
@@ -170,6 +179,9 @@ void RidgeFilter::accumulate_scale(double sigma_px, int region_width, int region
     factors.either = options_.polarity == scenes::ThreadPolarity::kEither ? 1e9f : 0.0f;
     factors.blob = static_cast<float>(-0.5 / (options_.blobness * options_.blobness));
     factors.contrast = static_cast<float>(-0.5 / (options_.contrast_levels * options_.contrast_levels));
+    // v <= 1 - exp(-S^2 / 2 c^2); a little less, for the rounding of both.
+    factors.least =
+        static_cast<float>(0.999 * std::log1p(-std::min(options_.floor, 0.999)) / factors.contrast);
     for (int y = 0; y < region_height; ++y) {
         const float* here = smooth_.data() + (y + reach_px_) * w + reach_px_;
         measure_row(here - w, here, here + w, region_width, factors,

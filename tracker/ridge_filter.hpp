@@ -13,6 +13,7 @@ struct RidgeFilterOptions {
     double blobness = 0.5;          ///< Frangi's beta
     double contrast_levels = 8.0;   ///< Frangi's c, grey levels
     scenes::ThreadPolarity polarity = scenes::ThreadPolarity::kDark;
+    double floor = 0.0;  ///< values up to it may be given as 0: most pixels, at a fraction of the time
 };
 
 /// Multi-scale detector of curvilinear structures from the Hessian of the smoothed image (II-E; Frangi,
@@ -24,6 +25,11 @@ struct RidgeFilterOptions {
 class RidgeFilter {
   public:
     explicit RidgeFilter(RidgeFilterOptions options);
+
+    const RidgeFilterOptions& options() const { return options_; }
+
+    /// Makes room for regions of this size, so that smaller ones allocate nothing.
+    void reserve(int width, int height);
 
     /// Pixels around a region that its result depends on.
     int reach_px() const { return reach_px_; }

@@ -43,6 +43,7 @@ struct EnergyTerms {
     double data = 0.0;    ///< E_ext, eq. 5-6
     double length = 0.0;  ///< E_int, eq. 7, before its weight
     double tips = 0.0;    ///< E_tips, eq. 19, with its weight
+    double stereo = 0.0;  ///< of the 2D parameterisation, with its weight
     double total = 0.0;   ///< eq. 4 and 19 with weights
 };
 

@@ -95,7 +95,6 @@ std::optional<std::vector<Eigen::Vector3d>> initial_curve_between_tips(const sce
     std::vector<double> speed_m(static_cast<std::size_t>(config.curve.samples));
     std::vector<int> labelling(static_cast<std::size_t>(K));
     StageTimings timings;
-    const cv::Rect whole({}, frame.left.size());
     const auto context = [&](const StereoCostImages& images) {
         return EnergyContext{sampling,
                              eyes,
@@ -111,7 +110,7 @@ std::optional<std::vector<Eigen::Vector3d>> initial_curve_between_tips(const sce
         const int truncation_px = std::clamp(static_cast<int>(truncation_at_640_px / px_scale), 1,
                                              DistanceTransform::kMaxTruncation);
         StereoCostImages images(config, sigmas_px, truncation_px);
-        images.make(frame, {whole, whole}, pool);
+        images.make(frame, pool);
         return images;
     };
 
@@ -128,7 +127,8 @@ std::optional<std::vector<Eigen::Vector3d>> initial_curve_between_tips(const sce
                 std::fill(speed_m.begin(), speed_m.end(), std::max(wanted_m, 1e-6));
                 const EnergyContext now = context(images);
                 const double s_m = level.spacing_px / px_scale * rig.m_per_px(depth_m) / (1 + iteration % 2);
-                search.step(now, s_m, pool, curve, labelling, timings);
+                search.place_labels(curve, s_m, eyes);
+                search.minimise(now, pool, curve, labelling, timings);
                 seen = support(now, curve, kSupport_px);
             }
         }

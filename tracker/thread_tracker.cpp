@@ -15,8 +15,13 @@ constexpr double kReferenceWidth_px = 640.0;
 constexpr double kSupport_px = 2.0;       // at 640: a sample nearer to a ridge than this is seen
 constexpr double kTrackingSupport = 0.5;  // below it the curve is hardly seen
 constexpr int kFramesToLost = 10;         // this long hardly seen: given up
-constexpr double kSigmaLateral_px = 0.7;  // measured on the tests' sequences, docs/method.md
-constexpr double kSigmaDisparity_px = 0.7;
+constexpr int kRestartFrames = 10;        // a lost thread is looked for between its ends this often
+
+/// Within which 68 % of the offsets lie, at 640: measured on seeds 101-103 (docs/method.md).
+struct Sigma {
+    double lateral_px, disparity_px;
+};
+constexpr Sigma kSigmaE1 = {1.6, 0.4}, kSigmaE2 = {1.0, 0.4};
 
 double ms_since(std::chrono::steady_clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
@@ -28,6 +33,12 @@ double mean_depth_m(const std::vector<Eigen::Vector3d>& points) {
     return sum / static_cast<double>(points.size());
 }
 
+int labels_per_node(const scenes::TrackerConfig& config) {
+    return config.parameterisation == scenes::Parameterisation::k2d
+               ? ImageUnknowns::labels_per_node(config.labels.r)
+               : 14 * config.labels.r + 1;
+}
+
 }  // namespace
 
 ThreadTracker::ThreadTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig)
@@ -36,7 +47,8 @@ ThreadTracker::ThreadTracker(const scenes::TrackerConfig& config, const scenes::
       eyes_(make_eyes(rig)),
       sampling_(config.curve.degree, config.curve.control_points, config.curve.samples),
       pool_(config.threads),
-      search_(config.method, config.optimiser, config.labels, config.curve.control_points),
+      search_(config.method, config.optimiser, config.labels, config.curve.control_points,
+              labels_per_node(config)),
       sampler_(config.curve.degree, config.curve.control_points) {
     validate(config);
     const bool first = config.method == scenes::TrackerMethod::kE1;
@@ -45,6 +57,11 @@ ThreadTracker::ThreadTracker(const scenes::TrackerConfig& config, const scenes::
                 .smooth_per_m = first ? config.lambda2_e1_per_m : 0.0,
                 .tip_epsilon_m = config.tips.epsilon_m,
                 .tip_per_m = config.tips.weight_per_m};
+    const Sigma own = first ? kSigmaE1 : kSigmaE2;
+    const auto& told = config.uncertainty;
+    sigma_lateral_px_ = told.lateral_px > 0.0 ? told.lateral_px : own.lateral_px;
+    sigma_disparity_px_ = told.disparity_px > 0.0 ? told.disparity_px : own.disparity_px;
+    if (config.parameterisation == scenes::Parameterisation::k2d) image_unknowns_.emplace(rig, config);
     result_.labels.resize(static_cast<std::size_t>(config.labels.steps * config.curve.control_points));
 }
 
@@ -65,6 +82,9 @@ const TrackResult& ThreadTracker::track(const StereoFrame& frame) {
     timings_ = {};
     check_frame(frame, rig_);
     if (!state_.started && !begin_between_tips(frame)) return lost_result(frame);
+    // A lost thread is looked for where it was last seen and, now and then, anew from both ends.
+    if (state_.status == scenes::TrackStatus::kLost && state_.frames_unseen % kRestartFrames == 0)
+        begin_between_tips(frame);
     optimise(frame);
     judge(frame);
     timings_.total_ms = ms_since(begin_time);
@@ -77,7 +97,14 @@ void ThreadTracker::begin(const std::vector<Eigen::Vector3d>& control_points) {
     state_.frames_unseen = 0;
     state_.control_points = control_points;
     state_.reference_control_points = control_points;
+    if (image_unknowns_) image_unknowns_->begin(control_points);
     prepare_for_reference();
+}
+
+TrackerState ThreadTracker::state() const {
+    TrackerState state = state_;
+    if (image_unknowns_ && state.started) state.method_state = image_unknowns_->state();
+    return state;
 }
 
 void ThreadTracker::restore(const TrackerState& state) {
@@ -86,6 +113,7 @@ void ThreadTracker::restore(const TrackerState& state) {
         throw std::invalid_argument("a state of " + std::to_string(state.control_points.size()) +
                                     " control points, expected " + std::to_string(K));
     state_ = state;
+    if (image_unknowns_ && state.started) image_unknowns_->restore(state.method_state);
     if (state_.started) prepare_for_reference();
 }
 
@@ -112,33 +140,36 @@ bool ThreadTracker::begin_between_tips(const StereoFrame& frame) {
 }
 
 EnergyContext ThreadTracker::context(const StereoFrame& frame) const {
-    return {sampling_, eyes_, cost_images_->costs(), reference_speed_m_, frame.tips, weights_};
+    return {sampling_,
+            eyes_,
+            cost_images_->costs(),
+            reference_speed_m_,
+            frame.tips,
+            weights_,
+            image_unknowns_ ? &image_unknowns_->points() : nullptr};
 }
 
-// The curve's image grown by all that the labels can move it, so that nothing outside is looked at.
-std::array<cv::Rect, 2> ThreadTracker::regions(const StereoFrame& frame) const {
-    const cv::Size size = frame.left.size();
-    if (!config_.cost_image.region_of_interest) return {cv::Rect({}, size), cv::Rect({}, size)};
-    double nearest_m = state_.control_points[0].z();
-    for (const Eigen::Vector3d& q : state_.control_points) nearest_m = std::min(nearest_m, q.z());
-    double reach_m = 0.0;
-    for (int step = 0; step < config_.labels.steps; ++step)
-        reach_m += search_.reach_m(spacing_m_ * std::exp2(-step));
-    // Labels along rays hardly move the image: their long axis doesn't count.
-    if (config_.labels.shape == scenes::LabelShape::kRays)
-        reach_m *= std::sqrt(3.0) / std::sqrt(2.0 + std::pow(config_.labels.depth_factor, 2));
-    const double margin_px = reach_m / rig_.m_per_px(std::max(nearest_m, 0.01)) + 4.0;
-    return {region_around(eyes_[0], state_.control_points, margin_px, size),
-            region_around(eyes_[1], state_.control_points, margin_px, size)};
+// Costs are made only where the placed labels can move the curve: nothing else is looked at.
+void ThreadTracker::want_reached_pixels(const StereoFrame& frame) {
+    const EnergyContext now = context(frame);
+    for (int eye = 0; eye < 2; ++eye) {
+        if (!config_.cost_image.region_of_interest) {
+            cost_images_->want(eye, {0, 0, frame.left.cols, frame.left.rows});
+            continue;
+        }
+        for (int j = 0; j < sampling_.samples(); ++j)
+            cost_images_->want(eye,
+                               search_.reach(now, static_cast<std::size_t>(eye), state_.control_points, j));
+    }
 }
 
 void ThreadTracker::optimise(const StereoFrame& frame) {
     for (std::size_t end = 0; end < 2; ++end)  // a fixed end is known exactly (III-B, the knot)
         if (frame.tips[end] && frame.tips[end]->kind == MeasuredTip::Kind::kFixed)
             (end == 0 ? state_.control_points.front() : state_.control_points.back()) = frame.tips[end]->p_C;
-    const auto begin_time = std::chrono::steady_clock::now();
-    cost_images_->make(frame, regions(frame), pool_);
-    timings_.cost_images_ms = ms_since(begin_time);
+    if (image_unknowns_) image_unknowns_->fix_ends(frame.tips);
+    auto begin_time = std::chrono::steady_clock::now();
+    cost_images_->begin(frame);
     if (observer_) {
         cost_images_->show(*observer_);
         observer_->curve("before", state_.control_points);
@@ -147,8 +178,17 @@ void ThreadTracker::optimise(const StereoFrame& frame) {
     for (int step = 0; step < config_.labels.steps; ++step) {  // L(r, s), then L(r, s / 2)
         const std::span<int> labels =
             std::span(result_.labels).subspan(static_cast<std::size_t>(step) * K, K);
-        search_.step(context(frame), spacing_m_ * std::exp2(-step), pool_, state_.control_points, labels,
-                     timings_);
+        const double s_m = spacing_m_ * std::exp2(-step);
+        if (image_unknowns_)
+            image_unknowns_->place_labels(state_.control_points, s_m, search_.labels());
+        else
+            search_.place_labels(state_.control_points, s_m, eyes_);
+        want_reached_pixels(frame);
+        cost_images_->compute(pool_);
+        timings_.cost_images_ms += ms_since(begin_time);
+        search_.minimise(context(frame), pool_, state_.control_points, labels, timings_);
+        if (image_unknowns_) image_unknowns_->move(search_.labels(), labels);
+        begin_time = std::chrono::steady_clock::now();
         if (observer_) show_step(*observer_, step, search_, labels, state_.control_points);
     }
 }
@@ -156,6 +196,10 @@ void ThreadTracker::optimise(const StereoFrame& frame) {
 void ThreadTracker::judge(const StereoFrame& frame) {
     result_.frame = frame.index;
     result_.energy = energy(context(frame), state_.control_points);
+    if (image_unknowns_) {
+        result_.energy.stereo = image_unknowns_->stereo_energy();
+        result_.energy.total += result_.energy.stereo;
+    }
     result_.support = support(context(frame), state_.control_points, kSupport_px);
     state_.frames_unseen = result_.support >= kTrackingSupport ? 0 : state_.frames_unseen + 1;
     state_.status = state_.frames_unseen == 0              ? scenes::TrackStatus::kTracking
@@ -173,9 +217,9 @@ void ThreadTracker::judge(const StereoFrame& frame) {
     result_.control_points = state_.control_points;
     sampler_.sample(state_.control_points, result_.estimate.samples);
     for (scenes::ThreadSample& sample : result_.estimate.samples) {
-        sample.sigma_lateral_m = kSigmaLateral_px / weights_.px_scale * rig_.m_per_px(sample.p_C.z());
+        sample.sigma_lateral_m = sigma_lateral_px_ / weights_.px_scale * rig_.m_per_px(sample.p_C.z());
         sample.sigma_depth_m =
-            kSigmaDisparity_px / weights_.px_scale * rig_.m_per_disparity_px(sample.p_C.z());
+            sigma_disparity_px_ / weights_.px_scale * rig_.m_per_disparity_px(sample.p_C.z());
     }
 }
 

@@ -7,13 +7,14 @@
 
 #include "tracker/discrete_search.hpp"
 #include "tracker/estimate_sampler.hpp"
+#include "tracker/image_unknowns.hpp"
 #include "tracker/stereo_cost_images.hpp"
 #include "tracker/stereo_tracker.hpp"
 
 namespace atropos::tracker {
 
 /// The paper's tracker: cost images of both eyes, then two steps of discrete optimisation of E1 or E2 over
-/// the control points in space.
+/// the control points in space; or, as a comparison, over those of both image curves.
 class ThreadTracker final : public StereoTracker {
   public:
     ThreadTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig);
@@ -21,7 +22,7 @@ class ThreadTracker final : public StereoTracker {
     const TrackResult& start(const StereoFrame& frame, const NurbsCurve& initial) override;
     const TrackResult& track(const StereoFrame& frame) override;
     const StageTimings& timings() const override { return timings_; }
-    TrackerState state() const override { return state_; }
+    TrackerState state() const override;
     void restore(const TrackerState& state) override;
     void set_observer(TrackObserver* observer) override { observer_ = observer; }
 
@@ -32,7 +33,7 @@ class ThreadTracker final : public StereoTracker {
     void prepare_for_reference();
     bool begin_between_tips(const StereoFrame& frame);
     EnergyContext context(const StereoFrame& frame) const;
-    std::array<cv::Rect, 2> regions(const StereoFrame& frame) const;
+    void want_reached_pixels(const StereoFrame& frame);
     void optimise(const StereoFrame& frame);
     void judge(const StereoFrame& frame);
     const TrackResult& lost_result(const StereoFrame& frame);
@@ -46,8 +47,11 @@ class ThreadTracker final : public StereoTracker {
     DiscreteSearch search_;
     EstimateSampler sampler_;
     std::optional<StereoCostImages> cost_images_;
+    std::optional<ImageUnknowns> image_unknowns_;  ///< 2D parameterisation only
     std::vector<double> reference_speed_m_;
     double spacing_m_ = 0.0;
+    double sigma_lateral_px_;  ///< at 640
+    double sigma_disparity_px_;
     TrackerState state_;
     TrackResult result_;
     StageTimings timings_;

@@ -60,8 +60,7 @@ void potentials(benchmark::State& state) {
     const tracker::CurveSampling sampling(3, 8, 60);
     tracker::StereoCostImages images(scenes::TrackerConfig{}, {1.0}, 15);
     tracker::WorkerPool pool(1);
-    const cv::Rect whole({}, c.frame.left.size());
-    images.make(c.frame, {whole, whole}, pool);
+    images.make(c.frame, pool);
     const auto points = tracker::fit_curve(c.drawn.truth_C, {.length_weight = 1.0}).control_points();
     const std::vector<double> speeds(60, 0.07);
     const tracker::EnergyContext context{sampling, eyes, images.costs(), speeds, c.frame.tips, {}};

@@ -63,7 +63,7 @@ void ScalarPotentialsE1::fill(const EnergyContext& context, std::span<const Eige
                     static_cast<float>(context.weights.smooth_per_m *
                                        (labels.displacement(p, l) - labels.displacement(p + 1, m)).norm());
         }
-    tracker::add_tip_costs(context, control_points, labels, chain);
+    tracker::add_node_costs(context, control_points, labels, chain);
 }
 
 void ScalarPotentialsE2::fill(const EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
@@ -76,7 +76,7 @@ void ScalarPotentialsE2::fill(const EnergyContext& context, std::span<const Eige
                 chain.pairwise(p)[static_cast<std::size_t>(l * chain.stride() + m)] =
                     static_cast<float>(scalar_V2ab(context, control_points, labels.displacement(p, l),
                                                    labels.displacement(p + 1, m), p));
-    tracker::add_tip_costs(context, control_points, labels, chain);
+    tracker::add_node_costs(context, control_points, labels, chain);
 }
 
 }  // namespace atropos::support

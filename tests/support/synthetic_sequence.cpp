@@ -22,45 +22,57 @@ struct Stroke {
 
 /// Draws thick strokes over `image`: each pixel takes the nearest stroke's level by its soft coverage.
 void draw_strokes(cv::Mat1f& image, const std::vector<Stroke>& strokes, double blur_px, bool relative) {
-    cv::Mat1f coverage(image.size(), 0.0f);
-    cv::Mat1f level(image.size(), 0.0f);
+    cv::Rect2d around;
+    for (const Stroke& stroke : strokes) {
+        const double reach = stroke.half_width + 3.5 * blur_px + 1.0;
+        const cv::Rect2d box(stroke.p.x() - reach, stroke.p.y() - reach, 2.0 * reach, 2.0 * reach);
+        around = around.empty() ? box : around | box;
+    }
+    const cv::Rect2d inside = around & cv::Rect2d(0.0, 0.0, image.cols, image.rows);
+    if (inside.empty()) return;
+    const cv::Rect region = cv::Rect(cv::Point(inside.tl()), cv::Point(inside.br()) + cv::Point(1, 1)) &
+                            cv::Rect({}, image.size());
+    cv::Mat1f depth(region.size(), -1e9f);  // how deep inside the nearest stroke a pixel lies
+    cv::Mat1f coverage(region.size(), 0.0f);
+    cv::Mat1f level(region.size(), 0.0f);
     const double k = 1.0 / (std::numbers::sqrt2 * blur_px);
     for (std::size_t i = 0; i + 1 < strokes.size(); ++i) {
         const Stroke& a = strokes[i];
         const Stroke& b = strokes[i + 1];
         const Eigen::Vector2d d = b.p - a.p;
         const double reach = std::max(a.half_width, b.half_width) + 3.5 * blur_px;
-        const int u0 = std::max(0, static_cast<int>(std::floor(std::min(a.p.x(), b.p.x()) - reach)));
+        const int u0 = std::max(region.x, static_cast<int>(std::floor(std::min(a.p.x(), b.p.x()) - reach)));
         const int u1 =
-            std::min(image.cols - 1, static_cast<int>(std::ceil(std::max(a.p.x(), b.p.x()) + reach)));
-        const int v0 = std::max(0, static_cast<int>(std::floor(std::min(a.p.y(), b.p.y()) - reach)));
+            std::min(region.br().x - 1, static_cast<int>(std::ceil(std::max(a.p.x(), b.p.x()) + reach)));
+        const int v0 = std::max(region.y, static_cast<int>(std::floor(std::min(a.p.y(), b.p.y()) - reach)));
         const int v1 =
-            std::min(image.rows - 1, static_cast<int>(std::ceil(std::max(a.p.y(), b.p.y()) + reach)));
+            std::min(region.br().y - 1, static_cast<int>(std::ceil(std::max(a.p.y(), b.p.y()) + reach)));
         for (int v = v0; v <= v1; ++v)
             for (int u = u0; u <= u1; ++u) {
                 const Eigen::Vector2d p(u, v);
                 const double t = std::clamp((p - a.p).dot(d) / std::max(d.squaredNorm(), 1e-12), 0.0, 1.0);
                 const double distance = (p - a.p - t * d).norm();
                 const double half = a.half_width + t * (b.half_width - a.half_width);
-                const double share =
-                    0.5 * (std::erf((half - distance) * k) + std::erf((half + distance) * k));
-                if (share > coverage(v, u)) {
-                    coverage(v, u) = static_cast<float>(share);
-                    level(v, u) = static_cast<float>(a.level + t * (b.level - a.level));
-                }
+                float& deepest = depth(v - region.y, u - region.x);
+                if (half - distance <= deepest) continue;
+                deepest = static_cast<float>(half - distance);
+                coverage(v - region.y, u - region.x) = static_cast<float>(
+                    0.5 * (std::erf((half - distance) * k) + std::erf((half + distance) * k)));
+                level(v - region.y, u - region.x) = static_cast<float>(a.level + t * (b.level - a.level));
             }
     }
-    for (int v = 0; v < image.rows; ++v)
-        for (int u = 0; u < image.cols; ++u)
-            if (coverage(v, u) > 0.0f)
-                image(v, u) += coverage(v, u) * (relative ? level(v, u) : level(v, u) - image(v, u));
+    for (int v = 0; v < region.height; ++v)
+        for (int u = 0; u < region.width; ++u) {
+            float& pixel = image(v + region.y, u + region.x);
+            const float share = coverage(v, u);
+            if (share > 0.0f) pixel += share * (relative ? level(v, u) : level(v, u) - pixel);
+        }
 }
 
 }  // namespace
 
-SyntheticSequence::SyntheticSequence(const SyntheticSequenceOptions& options) : options_(options) {
+InextensibleCurveOptions curve_options(const SyntheticSequenceOptions& options) {
     scenes::RandomStream random(options.seed, "synthetic sequence");
-    const double px_m = options.depth_m / options.rig.left.fx_px;
     InextensibleCurveOptions curve;
     curve.seed = options.seed;
     curve.length_m = options.length_m;
@@ -69,11 +81,16 @@ SyntheticSequence::SyntheticSequence(const SyntheticSequenceOptions& options) : 
     curve.turning_rad = random.uniform(1.2, 2.2) * (random.uniform() < 0.5 ? 1.0 : -1.0);
     curve.depth_tilt_rad = random.uniform(-0.25, 0.25);
     curve.arc_tilt_rad = random.uniform(-0.5, 0.5);
-    if (options.heading_rad) curve.heading_rad = *options.heading_rad;
-    if (options.arc_tilt_rad) curve.arc_tilt_rad = *options.arc_tilt_rad;
+    curve.heading_rad = options.heading_rad.value_or(curve.heading_rad);
+    curve.turning_rad = options.turning_rad.value_or(curve.turning_rad);
+    curve.arc_tilt_rad = options.arc_tilt_rad.value_or(curve.arc_tilt_rad);
+    const double px_m = options.depth_m / options.rig.left.fx_px;
     curve.speed_m_per_frame = 0.45 * px_m * options.motion_scale;
-    curve_ = std::make_unique<InextensibleCurve>(curve);
+    return curve;
+}
 
+SyntheticSequence::SyntheticSequence(const SyntheticSequenceOptions& options)
+    : options_(options), thread_(options) {
     BackgroundOptions wall;
     wall.seed = options.seed;
     wall.depth_m = options.depth_m + 0.3 * options.length_m;
@@ -86,16 +103,18 @@ SyntheticSequence::SyntheticSequence(const SyntheticSequenceOptions& options) : 
     scenes::RandomStream film(options.seed, "sensor noise");
     noise_.resize(kFilmSize);
     for (float& value : noise_) value = static_cast<float>(film.normal(0.0, options.noise_levels));
+    scenes::RandomStream random(options.seed, "tip errors");
     for (Eigen::Vector3d& error : tip_error_)
         error = options.tip_error_m * random.uniform(0.33, 1.0) *
                 Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
 }
 
-SyntheticSequence::~SyntheticSequence() = default;
+SyntheticThread::SyntheticThread(const SyntheticSequenceOptions& options)
+    : options_(options), curve_(curve_options(options)) {}
 
-scenes::Polyline SyntheticSequence::truth(int index) const {
+scenes::Polyline SyntheticThread::truth(int index) const {
     const int original = index * options_.acceleration;
-    scenes::Polyline line = curve_->at(original);
+    scenes::Polyline line = curve_.at(original);
     if (options_.protocol == Protocol::kS) return line;
     // Jitter of a tracked template: small in every frame, large in some (Table I: 8 px at acceleration 1).
     tracker::NurbsCurve spline = tracker::fit_curve(line, {.control_points = 8, .length_weight = 0.3});
@@ -185,7 +204,7 @@ cv::Mat1b SyntheticSequence::draw(int eye, int index, const scenes::Polyline& th
         for (int u = 0; u < image.cols; ++u) {
             const float value = image(v, u) + noise_[cursor];
             cursor = (cursor + 1) & (kFilmSize - 1);
-            out(v, u) = static_cast<unsigned char>(std::clamp(std::lround(value), 0L, 255L));
+            out(v, u) = static_cast<unsigned char>(std::clamp(value, 0.0f, 255.0f) + 0.5f);
         }
     return out;
 }

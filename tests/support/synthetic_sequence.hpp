@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
@@ -32,6 +31,7 @@ struct SyntheticSequenceOptions {
     double width_m = 0.00035;
     std::optional<double> heading_rad =
         {};  ///< of the chord; unset: drawn from the seed; 0 = along the baseline
+    std::optional<double> turning_rad = {};   ///< total turn of the resting arc; unset: drawn
     std::optional<double> arc_tilt_rad = {};  ///< unset: drawn; pi/2 = all sag in depth
     bool dark = true;
     double contrast = 60.0;     ///< grey levels between thread and background
@@ -46,6 +46,9 @@ struct SyntheticSequenceOptions {
     double occluded_share = 0.3;  ///< of the thread's length
 };
 
+/// The thread's rest and motion: what the options leave unset is drawn from the seed.
+InextensibleCurveOptions curve_options(const SyntheticSequenceOptions& options);
+
 struct SyntheticFrame {
     double time_s = 0.0;
     cv::Mat1b left;
@@ -55,15 +58,26 @@ struct SyntheticFrame {
     std::vector<scenes::Capsule> instruments_C;  ///< true poses
 };
 
+/// The thread alone: a polyline for every frame.
+class SyntheticThread {
+  public:
+    explicit SyntheticThread(const SyntheticSequenceOptions& options);
+
+    scenes::Polyline truth(int index) const;
+
+  private:
+    SyntheticSequenceOptions options_;
+    InextensibleCurve curve_;
+};
+
 /// Images of a moving thread with exact truth, from formulae alone: anti-aliased lines over a cluttered wall.
 /// Frame i depends on nothing but the options and i.
 class SyntheticSequence {
   public:
     explicit SyntheticSequence(const SyntheticSequenceOptions& options);
-    ~SyntheticSequence();
 
     SyntheticFrame frame(int index) const;
-    scenes::Polyline truth(int index) const;  ///< the thread alone
+    scenes::Polyline truth(int index) const { return thread_.truth(index); }
     const SyntheticSequenceOptions& options() const { return options_; }
 
   private:
@@ -72,7 +86,7 @@ class SyntheticSequence {
                    const std::vector<scenes::Capsule>& shafts) const;
 
     SyntheticSequenceOptions options_;
-    std::unique_ptr<InextensibleCurve> curve_;
+    SyntheticThread thread_;
     std::array<cv::Mat1f, 2> background_;
     std::vector<float> noise_;
     std::array<Eigen::Vector3d, 2> tip_error_;

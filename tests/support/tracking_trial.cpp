@@ -43,7 +43,17 @@ FrameScore score_of(const tracker::TrackResult& result, const SyntheticFrame& dr
     scenes::Polyline found;
     for (const scenes::ThreadSample& sample : result.estimate.samples) found.points.push_back(sample.p_C);
     const scenes::Polyline truth = thinned(drawn.truth_C);
-    score.accuracy_3d_m = mean_nearest(found, truth);
+    const double n = static_cast<double>(found.points.size()), px_scale = 640.0 / rig.left.width_px;
+    for (const scenes::ThreadSample& sample : result.estimate.samples) {
+        const scenes::Polyline::Nearest nearest = truth.nearest(sample.p_C);
+        score.accuracy_3d_m += nearest.distance_m / n;
+        const Eigen::Vector3d offset = sample.p_C - nearest.point, ray = sample.p_C.normalized();
+        const double depth_m = std::abs(offset.dot(ray)), lateral_m = offset.cross(ray).norm();
+        score.lateral_coverage += (lateral_m <= sample.sigma_lateral_m ? 1.0 : 0.0) / n;
+        score.depth_coverage += (depth_m <= sample.sigma_depth_m ? 1.0 : 0.0) / n;
+        score.lateral_px.push_back(px_scale * lateral_m / rig.m_per_px(sample.p_C.z()));
+        score.disparity_px.push_back(px_scale * depth_m / rig.m_per_disparity_px(sample.p_C.z()));
+    }
     score.middle_m = tracker::arc_length_distance(found, drawn.truth_C).middle_m;
     score.symmetric_2d_px = 0.0;
     for (int eye = 0; eye < 2; ++eye) {
@@ -96,7 +106,12 @@ TrialSummary summary(const std::vector<FrameScore>& scores, double failure_px) {
     int failed = 0;
     for (const FrameScore& score : scores) {
         failed += score.symmetric_2d_px > failure_px ? 1 : 0;
-        if (score.status == scenes::TrackStatus::kLost) continue;
+        if (score.status == scenes::TrackStatus::kLost) {
+            ++s.lost_frames;
+            continue;
+        }
+        s.lateral_coverage += score.lateral_coverage;
+        s.depth_coverage += score.depth_coverage;
         px.push_back(score.accuracy_2d_px);
         sum_m += score.accuracy_3d_m;
         square_m += score.accuracy_3d_m * score.accuracy_3d_m;
@@ -106,6 +121,8 @@ TrialSummary summary(const std::vector<FrameScore>& scores, double failure_px) {
     s.failed_percent = 100.0 * failed / std::max(s.frames, 1);
     if (px.empty()) return s;
     const double n = static_cast<double>(px.size());
+    s.lateral_coverage /= n;
+    s.depth_coverage /= n;
     s.mean_3d_m = sum_m / n;
     s.std_3d_m = std::sqrt(std::max(0.0, square_m / n - s.mean_3d_m * s.mean_3d_m));
     s.mean_2d_px = sum_px / n;
@@ -113,6 +130,34 @@ TrialSummary summary(const std::vector<FrameScore>& scores, double failure_px) {
     std::nth_element(px.begin(), px.begin() + static_cast<std::ptrdiff_t>(px.size() / 2), px.end());
     s.median_2d_px = px[px.size() / 2];
     return s;
+}
+
+KnotMotion knot_motion(const SyntheticSequenceOptions& options, int frames) {
+    constexpr int kKnots = 6;
+    const SyntheticThread thread(options);
+    const scenes::StereoRig& rig = options.rig;
+    KnotMotion motion;
+    std::vector<Eigen::Vector3d> before;
+    for (int i = 0; i < frames; ++i) {
+        const scenes::Polyline truth = thread.truth(i);
+        std::vector<Eigen::Vector3d> knots;
+        for (std::size_t k = 0; k < kKnots; ++k)
+            knots.push_back(truth.points[k * (truth.points.size() - 1) / (kKnots - 1)]);
+        for (std::size_t k = 0; k < before.size(); ++k) {
+            const double moved_m = (knots[k] - before[k]).norm();
+            const double left_px = (rig.project_left(knots[k]) - rig.project_left(before[k])).norm();
+            const double right_px = (rig.project_right(knots[k]) - rig.project_right(before[k])).norm();
+            motion.mean_3d_m += moved_m;
+            motion.mean_2d_px += 0.5 * (left_px + right_px);
+            motion.max_3d_m = std::max(motion.max_3d_m, moved_m);
+            motion.max_2d_px = std::max({motion.max_2d_px, left_px, right_px});
+        }
+        before = std::move(knots);
+    }
+    const double steps = static_cast<double>(kKnots * std::max(frames - 1, 1));
+    motion.mean_3d_m /= steps;
+    motion.mean_2d_px /= steps;
+    return motion;
 }
 
 }  // namespace atropos::support

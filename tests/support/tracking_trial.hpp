@@ -17,6 +17,12 @@ struct FrameScore {
     double middle_m;
     double support;
     double total_ms;
+    // Shares of the samples whose offset to the truth lies within one reported sigma, across and along the
+    // viewing ray; and the offsets themselves in units of a pixel and of a pixel of disparity, at 640.
+    double lateral_coverage = 0.0;
+    double depth_coverage = 0.0;
+    std::vector<double> lateral_px = {};
+    std::vector<double> disparity_px = {};
 };
 
 /// A generated frame as a tracker gets it.
@@ -36,7 +42,17 @@ struct TrialSummary {
     double mean_3d_m = 0.0, std_3d_m = 0.0;
     double mean_2d_px = 0.0, std_2d_px = 0.0, median_2d_px = 0.0;
     double failed_percent = 0.0;  ///< frames with symmetric 2D error above 5 px, at 640, any status
+    int lost_frames = 0;          ///< status lost
+    double lateral_coverage = 0.0, depth_coverage = 0.0;  ///< shares within one sigma
 };
 TrialSummary summary(const std::vector<FrameScore>& scores, double failure_px = 5.0);
+
+/// How far the knot points (the curve at its six distinct knots) move from frame to frame: the deformation
+/// columns of Table I.
+struct KnotMotion {
+    double mean_3d_m = 0.0, max_3d_m = 0.0;
+    double mean_2d_px = 0.0, max_2d_px = 0.0;  ///< over both eyes
+};
+KnotMotion knot_motion(const SyntheticSequenceOptions& options, int frames);
 
 }  // namespace atropos::support

@@ -22,7 +22,8 @@ RC_GTEST_PROP(DistanceTransform, equals_the_nearest_ridge_pixel_by_brute_force, 
     std::vector<std::uint8_t> mask(static_cast<std::size_t>(width * height));
     for (std::uint8_t& m : mask) m = random.uniform() < density ? 255 : 0;
     std::vector<std::uint16_t> squared(mask.size());
-    DistanceTransform().apply(mask.data(), width, width, height, truncation, squared.data(), width);
+    DistanceTransform().apply(mask.data(), width, width, height, truncation, {0, 0, width, height},
+                              squared.data(), width);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             int nearest = truncation * truncation;
@@ -105,6 +106,13 @@ TEST(CostImage, has_the_same_bytes_in_a_region_as_in_the_whole) {
     const support::SyntheticSequence sequence(
         {.seed = 3, .rig = scenes::parallel_rig(320, 180, 287.5, 0.005)});
     const cv::Mat1b picture = sequence.frame(0).left;
+    const auto bytes = [](const CostImage& cost, const cv::Rect& region) {
+        std::vector<std::uint8_t> values;
+        for (int y = region.y; y < region.br().y; ++y)
+            for (int x = region.x; x < region.br().x; ++x)
+                values.push_back(static_cast<std::uint8_t>(cost.row(y)[x] & 255));
+        return values;
+    };
     scenes::TrackerConfig config;
     CostImageMaker whole(config, {0.9, 1.35}, 15);
     CostImageMaker part(config, {0.9, 1.35}, 15);
@@ -116,7 +124,14 @@ TEST(CostImage, has_the_same_bytes_in_a_region_as_in_the_whole) {
         const cv::Rect region(x, y, 1 + static_cast<int>(random.integer(static_cast<std::uint64_t>(320 - x))),
                               1 + static_cast<int>(random.integer(static_cast<std::uint64_t>(180 - y))));
         part.make(picture, region);
-        ASSERT_EQ(cv::countNonZero(whole.cost_picture()(region) != part.cost_picture()(region)), 0);
+        ASSERT_EQ(bytes(part.cost(), region), bytes(whole.cost(), region));
+        // More of the same frame: what was there stays.
+        const cv::Rect more(static_cast<int>(random.integer(200)), static_cast<int>(random.integer(100)), 90,
+                            70);
+        part.want(more);
+        part.compute();
+        ASSERT_EQ(bytes(part.cost(), region), bytes(whole.cost(), region));
+        ASSERT_EQ(bytes(part.cost(), more), bytes(whole.cost(), more));
     }
 }
 
@@ -146,7 +161,7 @@ TEST(CostImage, takes_a_colour_picture_like_its_gray_one) {
     CostImageMaker other(scenes::TrackerConfig{}, {1.0}, 15);
     one.make(gray, {0, 0, 61, 43});
     other.make(colour, {0, 0, 61, 43});
-    EXPECT_EQ(cv::countNonZero(one.mask_picture() != other.mask_picture()), 0);
+    EXPECT_EQ(cv::countNonZero(one.pictures().mask != other.pictures().mask), 0);
     EXPECT_THROW(one.make(cv::Mat1f(4, 4), {0, 0, 4, 4}), std::invalid_argument);
 }
 

@@ -33,8 +33,7 @@ struct Scene {
         const support::SyntheticSequence sequence({.seed = seed, .rig = rig});
         const support::SyntheticFrame drawn = sequence.frame(0);
         const StereoFrame frame = support::stereo_frame(drawn, 0);
-        const cv::Rect whole(0, 0, rig.left.width_px, rig.left.height_px);
-        images.make(frame, {whole, whole}, pool);
+        images.make(frame, pool);
         control_points = fit_curve(drawn.truth_C, {.length_weight = 1.0}).control_points();
         scenes::RandomStream random(seed, "shift");
         for (int j = 0; j < sampling.samples(); ++j)

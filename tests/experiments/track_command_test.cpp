@@ -1,0 +1,179 @@
+// The program itself on good and bad sequences: what it says, its exit status, and what it writes.
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "scenes/calibration_file.hpp"
+#include "tests/experiments/temporary_folder.hpp"
+#include "tests/support/synthetic_sequence.hpp"
+
+namespace atropos::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+const scenes::StereoRig kRig = scenes::parallel_rig(320, 180, 287.5, 0.005);
+
+class TrackCommandTest : public TemporaryFolder {
+  protected:
+    struct Outcome {
+        int status;
+        std::string complaint;
+    };
+
+    /// `frames` pictures of a moving thread with measured ends, as a folder.
+    fs::path sequence(int frames = 1) const {
+        static const support::SyntheticSequence drawn({.seed = 7, .rig = kRig});
+        const fs::path folder = folder_ / "sequence";
+        write("sequence/calib/stereo.yaml", scenes::to_opencv_yaml(kRig));
+        std::ostringstream tips;
+        tips << "frame,end,kind,x_mm,y_mm,z_mm\n";
+        fs::create_directories(folder / "left");
+        fs::create_directories(folder / "right");
+        for (int i = 0; i < frames; ++i) {
+            const support::SyntheticFrame frame = drawn.frame(i);
+            cv::imwrite(picture("left", i), frame.left);
+            cv::imwrite(picture("right", i), frame.right);
+            for (std::size_t end = 0; end < 2; ++end)
+                tips << i << ',' << end << ",held," << 1e3 * frame.tips_C[end].x() << ','
+                     << 1e3 * frame.tips_C[end].y() << ',' << 1e3 * frame.tips_C[end].z() << '\n';
+        }
+        write("sequence/tips.csv", tips.str());
+        return folder;
+    }
+
+    std::string picture(const std::string& eye, int frame) const {
+        const std::string number = std::to_string(frame);
+        return (folder_ / "sequence" / eye / (std::string(6 - number.size(), '0') + number + ".png"))
+            .string();
+    }
+
+    Outcome track(const std::string& words = "--method e2", const std::string& to = "track") const {
+        const fs::path complaint = folder_ / "complaint.txt";
+        const std::string command = std::string(ATROPOS_PROGRAM) + " track " +
+                                    (folder_ / "sequence").string() + " -o " + (folder_ / to).string() +
+                                    " --quiet " + words + " 2> " + complaint.string();
+        const int status = std::system(command.c_str());
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(complaint)};
+    }
+
+    /// Exit status 2, one line that holds `what`, and no output.
+    void expect_refused(const std::string& what) const {
+        const Outcome outcome = track();
+        EXPECT_EQ(outcome.status, 2) << what;
+        EXPECT_THAT(outcome.complaint, HasSubstr(what));
+        EXPECT_EQ(std::count(outcome.complaint.begin(), outcome.complaint.end(), '\n'), 1)
+            << outcome.complaint;
+        EXPECT_FALSE(fs::exists(folder_ / "track"));
+    }
+};
+
+TEST_F(TrackCommandTest, refuses_a_missing_eye) {
+    fs::remove_all(sequence() / "right");
+    expect_refused("right: no such folder");
+}
+
+TEST_F(TrackCommandTest, refuses_eyes_of_different_counts) {
+    sequence(2);
+    fs::remove(picture("right", 1));
+    expect_refused("2 left and 1 right");
+}
+
+TEST_F(TrackCommandTest, refuses_pictures_of_another_size) {
+    sequence();
+    cv::imwrite(picture("right", 0), cv::Mat1b(90, 160, std::uint8_t{100}));
+    expect_refused("160x90");
+}
+
+TEST_F(TrackCommandTest, refuses_pictures_of_one_pixel) {
+    const fs::path folder = sequence();
+    cv::imwrite(picture("left", 0), cv::Mat1b(1, 1, std::uint8_t{100}));
+    cv::imwrite(picture("right", 0), cv::Mat1b(1, 1, std::uint8_t{100}));
+    expect_refused("1x1");
+    write("sequence/calib/stereo.yaml", scenes::to_opencv_yaml(scenes::parallel_rig(1, 1, 575.0, 0.005)));
+    expect_refused("1x1");
+}
+
+TEST_F(TrackCommandTest, refuses_pictures_of_16_bit) {
+    sequence();
+    cv::imwrite(picture("left", 0), cv::Mat1w(180, 320, std::uint16_t{1000}));
+    expect_refused("16");
+}
+
+TEST_F(TrackCommandTest, refuses_corrupt_pictures) {
+    sequence();
+    std::string bytes = read(picture("left", 0));
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+    write("sequence/left/000000.png", bytes);
+    expect_refused("000000.png");
+    write("sequence/left/000000.png", bytes.substr(0, bytes.size() / 3));
+    expect_refused("000000.png");
+    write("sequence/left/000000.png", "");
+    expect_refused("000000.png");
+}
+
+TEST_F(TrackCommandTest, refuses_ends_that_are_no_numbers_or_behind_the_camera) {
+    sequence();
+    const std::string head = "frame,end,kind,x_mm,y_mm,z_mm\n";
+    write("sequence/tips.csv", head + "0,0,held,1,nan,100\n");
+    expect_refused("tips.csv:2");
+    write("sequence/tips.csv", head + "0,1,held,1,2,-100\n");
+    expect_refused("behind");
+}
+
+TEST_F(TrackCommandTest, refuses_a_sequence_of_no_frames) {
+    sequence();
+    fs::remove(picture("left", 0));
+    fs::remove(picture("right", 0));
+    expect_refused("no pictures");
+}
+
+TEST_F(TrackCommandTest, says_lost_where_there_is_no_thread) {
+    sequence(3);
+    for (const int level : {0, 140})
+        for (const char* method : {"e1", "e2", "refined"}) {
+            for (const char* eye : {"left", "right"})
+                for (int i = 0; i < 3; ++i)
+                    cv::imwrite(picture(eye, i), cv::Mat1b(180, 320, static_cast<std::uint8_t>(level)));
+            EXPECT_EQ(track(std::string("--force --method ") + method).status, 0);
+            const std::string frames = read(folder_ / "track/frames.csv");
+            EXPECT_EQ(std::count(frames.begin(), frames.end(), '\n'), 4);
+            EXPECT_THAT(frames, HasSubstr("lost"));
+            EXPECT_THAT(frames, Not(HasSubstr("tracking")));
+            EXPECT_THAT(frames, Not(HasSubstr("nan")));
+        }
+}
+
+TEST_F(TrackCommandTest, tracks_a_sequence_of_one_frame) {
+    sequence(1);
+    for (const char* method : {"e1", "e2", "refined"}) {
+        EXPECT_EQ(track(std::string("--force --set tracker.thread.length_mm=70 --method ") + method).status,
+                  0);
+        EXPECT_THAT(read(folder_ / "track/frames.csv"), HasSubstr("tracking")) << method;
+        const std::string curve = read(folder_ / "track/track.csv");
+        EXPECT_EQ(std::count(curve.begin(), curve.end(), '\n'), 102);
+        EXPECT_THAT(curve, Not(HasSubstr("nan")));
+    }
+}
+
+TEST_F(TrackCommandTest, gives_the_same_bytes_without_the_truth) {
+    const fs::path folder = sequence(3);
+    write("sequence/truth/thread.csv",
+          "frame,strand,i,s_mm,in_span,x_mm,y_mm,z_mm,u_left_px,v_left_px,u_right_px,v_right_px,visible_left,"
+          "visible_right\n0,0,0,0,1,1,2,100,10,10,10,10,1,1\n");
+    ASSERT_EQ(track("--method e2", "with").status, 0);
+    fs::remove_all(folder / "truth");
+    ASSERT_EQ(track("--method e2", "without").status, 0);
+    for (const char* file : {"track.csv", "control_points.csv", "frames.csv", "meta.json"})
+        EXPECT_EQ(read(folder_ / "with" / file), read(folder_ / "without" / file)) << file;
+    EXPECT_GT(read(folder_ / "with/track.csv").size(), 1000u);
+}
+
+}  // namespace
+}  // namespace atropos::experiments
