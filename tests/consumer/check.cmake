@@ -1,4 +1,5 @@
-# cmake -DBUILD=... -DSOURCE=... -DWORK=... -P check.cmake: installs, builds the outside project, looks at what it links.
+# cmake -DBUILD=... -DSOURCE=... -DWORK=... -DDRAW=... -P check.cmake: installs, builds the outside project, looks at
+# what it links, and lets it track a drawn stereo pair.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)
@@ -23,3 +24,10 @@ foreach(library ${linked})
   endif()
 endforeach()
 message(STATUS "links ${linked}")
+
+file(MAKE_DIRECTORY ${WORK}/pictures)
+run(${DRAW} ${WORK}/pictures)
+run(${WORK}/build/consumer ${WORK}/pictures/left.png ${WORK}/pictures/right.png ${output})
+file(WRITE ${WORK}/pictures/curve.txt "${output}")
+run(${DRAW} ${WORK}/pictures ${WORK}/pictures/curve.txt)
+message(STATUS "its curve: ${output}")

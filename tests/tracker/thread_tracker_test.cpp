@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "tests/support/tracking_trial.hpp"
+#include "tests/support/table_cases.hpp"
 #include "tracker/thread_initialiser.hpp"
 
 namespace atropos::tracker {
@@ -37,17 +37,55 @@ TEST(ThreadTracker, follows_a_thread_over_clutter_with_both_energies) {
 }
 
 TEST(ThreadTracker, gives_the_same_bytes_for_any_number_of_threads_and_region) {
-    const Drawn drawn({.seed = 7, .rig = kSmallRig});
-    scenes::TrackerConfig config;
-    const auto found = [&] {
-        const auto tracker = make_tracker(config, kSmallRig);
-        return tracker->start(drawn.frame, drawn.curve()).control_points;
+    for (const char* camera : {"default", "converging", "distorted"})
+        for (const auto shape : {scenes::LabelShape::kCube, scenes::LabelShape::kRays})
+            for (const auto unknowns : {scenes::Parameterisation::k3d, scenes::Parameterisation::k2d}) {
+                scenes::StereoRig rig = support::table_case(camera).options.rig.scaled(0.5);
+                const Drawn drawn({.seed = 7, .rig = rig});
+                scenes::TrackerConfig config;
+                config.labels.r = 2;
+                config.labels.shape = shape;
+                config.parameterisation = unknowns;
+                const auto found = [&] {
+                    const auto tracker = make_tracker(config, rig);
+                    return tracker->start(drawn.frame, drawn.curve()).control_points;
+                };
+                const std::vector<Eigen::Vector3d> plain = found();
+                config.threads = 3;
+                EXPECT_EQ(found(), plain) << camera;
+                config.cost_image.region_of_interest = false;
+                EXPECT_EQ(found(), plain) << camera;
+            }
+}
+
+TEST(ThreadTracker, sees_as_well_with_converging_and_distorted_eyes) {
+    const auto error_px = [](const char* camera) {
+        support::TableCase c = support::table_case(camera);
+        c.options.seed = 7;
+        return support::summary(support::run_trial(c.e2, c.options, 6)).mean_2d_px;
     };
-    const std::vector<Eigen::Vector3d> plain = found();
-    config.threads = 3;
-    EXPECT_EQ(found(), plain);
-    config.cost_image.region_of_interest = false;
-    EXPECT_EQ(found(), plain);
+    const double pinhole_px = error_px("default");
+    EXPECT_LT(error_px("converging"), 1.2 * pinhole_px);
+    EXPECT_LT(error_px("distorted"), 1.2 * pinhole_px);
+}
+
+TEST(ThreadTracker, finds_a_lost_thread_again_between_its_ends) {
+    const Drawn drawn({.seed = 7, .rig = kSmallRig});
+    StereoFrame black = drawn.frame;
+    black.left = cv::Mat1b(drawn.frame.left.size(), 0);
+    black.right = cv::Mat1b(drawn.frame.left.size(), 0);
+    scenes::TrackerConfig config;
+    config.thread.length_m = 0.07;
+    const auto tracker = make_tracker(config, kSmallRig);
+    NurbsCurve elsewhere = drawn.curve();
+    std::vector<Eigen::Vector3d> points = elsewhere.control_points();
+    for (Eigen::Vector3d& q : points) q.y() -= 0.03;
+    elsewhere.set_control_points(points);
+    tracker->start(black, elsewhere);
+    for (int i = 0; i < 12; ++i) tracker->track(black);
+    ASSERT_EQ(tracker->track(black).estimate.status, scenes::TrackStatus::kLost);
+    for (int i = 0; i < 10; ++i) tracker->track(drawn.frame);
+    EXPECT_EQ(tracker->track(drawn.frame).estimate.status, scenes::TrackStatus::kTracking);
 }
 
 TEST(ThreadTracker, repeats_from_a_stored_state) {
@@ -116,6 +154,15 @@ TEST(ThreadInitialiser, makes_a_straight_line_of_even_speed) {
     const NurbsCurve line(3, straight_line(3, 8, {0, 0, 0.1}, {0.06, 0.01, 0.11}));
     for (int j = 0; j <= 20; ++j)
         EXPECT_NEAR((line.derivative(j / 20.0) - Eigen::Vector3d(0.06, 0.01, 0.01)).norm(), 0.0, 1e-13);
+}
+
+TEST(ThreadInitialiser, finds_random_curves_from_the_straight_line) {
+    for (int i = 0; i < 6; ++i) {
+        const std::optional<double> error_px = support::error_from_straight_line_px(
+            support::start_options(1000 + static_cast<std::uint64_t>(i), 0.77 + 0.03 * i));
+        ASSERT_TRUE(error_px) << i;
+        EXPECT_LT(*error_px, 2.0) << i;
+    }
 }
 
 TEST(TrackerConfig, is_refused_where_a_value_makes_no_sense) {
