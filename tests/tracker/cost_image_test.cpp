@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "scenes/random_stream.hpp"
+#include "tests/support/scalar_cost_image.hpp"
 #include "tests/support/synthetic_sequence.hpp"
 #include "tracker/eye.hpp"
 
@@ -24,45 +25,11 @@ RC_GTEST_PROP(DistanceTransform, equals_the_nearest_ridge_pixel_by_brute_force, 
     std::vector<std::uint16_t> squared(mask.size());
     DistanceTransform().apply(mask.data(), width, width, height, truncation, {0, 0, width, height},
                               squared.data(), width);
+    const cv::Mat1w plain =
+        support::scalar_squared_distance(cv::Mat1b(height, width, mask.data()), truncation);
     for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            int nearest = truncation * truncation;
-            for (int v = 0; v < height; ++v)
-                for (int u = 0; u < width; ++u)
-                    if (mask[static_cast<std::size_t>(v * width + u)])
-                        nearest = std::min(nearest, (x - u) * (x - u) + (y - v) * (y - v));
-            RC_ASSERT(int{squared[static_cast<std::size_t>(y * width + x)]} == nearest);
-        }
-}
-
-/// Frangi's measure as its formula says, one pixel at a time in double.
-double plain_measure(const cv::Mat1b& image, int x, int y, double sigma, double beta, double c) {
-    const int radius = static_cast<int>(std::ceil(3.0 * sigma));
-    const auto smooth = [&](int cx, int cy) {
-        double sum = 0.0;
-        double weight = 0.0;
-        for (int dy = -radius; dy <= radius; ++dy)
-            for (int dx = -radius; dx <= radius; ++dx) {
-                const double w = std::exp(-0.5 * (dx * dx + dy * dy) / (sigma * sigma));
-                sum +=
-                    w * image(std::clamp(cy + dy, 0, image.rows - 1), std::clamp(cx + dx, 0, image.cols - 1));
-                weight += w;
-            }
-        return sum / weight;
-    };
-    const double s2 = sigma * sigma;
-    const double xx = s2 * (smooth(x + 1, y) - 2 * smooth(x, y) + smooth(x - 1, y));
-    const double yy = s2 * (smooth(x, y + 1) - 2 * smooth(x, y) + smooth(x, y - 1));
-    const double xy =
-        s2 * 0.25 *
-        (smooth(x + 1, y + 1) - smooth(x - 1, y + 1) - smooth(x + 1, y - 1) + smooth(x - 1, y - 1));
-    const double root = std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy);
-    double l1 = 0.5 * (xx + yy) - root;
-    double l2 = 0.5 * (xx + yy) + root;
-    if (std::abs(l1) > std::abs(l2)) std::swap(l1, l2);
-    if (l2 <= 0.0) return 0.0;
-    const double R2 = l1 * l1 / (l2 * l2);
-    return std::exp(-R2 / (2 * beta * beta)) * (1.0 - std::exp(-(l1 * l1 + l2 * l2) / (2 * c * c)));
+        for (int x = 0; x < width; ++x)
+            RC_ASSERT(squared[static_cast<std::size_t>(y * width + x)] == plain(y, x));
 }
 
 cv::Mat1b noise_with_line(int width, int height) {
@@ -85,7 +52,7 @@ TEST(RidgeFilter, is_frangis_formula) {
     for (int y = 0; y < 43; ++y)
         for (int x = 0; x < 61; ++x)
             ASSERT_NEAR(ridge[static_cast<std::size_t>(y * 61 + x)],
-                        plain_measure(image, x, y, 1.3, 0.5, 8.0), 2e-4);
+                        support::scalar_ridge(image, x, y, 1.3, 0.5, 8.0), 2e-4);
 }
 
 TEST(RidgeFilter, sees_dark_or_bright_lines_as_told) {
