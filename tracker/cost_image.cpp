@@ -212,8 +212,8 @@ void CostImageMaker::to_cost(const cv::Rect& region) {
     const std::size_t width = static_cast<std::size_t>(region.width);
     for (int y = -1; y < region.height; ++y) {
         std::uint16_t* pairs = cost_.row(region.y + y) + region.x;
-        const std::uint8_t* here = values_.data() + static_cast<std::ptrdiff_t>(y) * region.width;
-        const std::uint8_t* below = here + region.width;
+        const std::uint8_t* below = values_.data() + static_cast<std::size_t>(y + 1) * width;
+        const std::uint8_t* here = y < 0 ? below : below - width;
         if (y < 0)
             for (std::size_t x = 0; x < width; ++x)
                 pairs[x] = static_cast<std::uint16_t>((pairs[x] & 255) | below[x] << 8);
