@@ -6,6 +6,7 @@
 #include "experiments/dataset.hpp"
 #include "experiments/exit_status.hpp"
 #include "experiments/result_tables.hpp"
+#include "experiments/scene_description.hpp"
 #include "experiments/sequence.hpp"
 #include "experiments/track_reader.hpp"
 #include "scenes/calibration_file.hpp"
@@ -22,6 +23,7 @@ struct InfoOptions {
     bool cameras = false;
     bool scene_keys = false;
     bool verify = false;
+    std::vector<double> sag_mm;  ///< length, sag
     std::vector<std::string> overrides;
 };
 
@@ -54,6 +56,7 @@ int describe_scene(const fs::path& path, const std::vector<std::string>& overrid
     fmt::print("scene              {} (seed {}, {} s at {} frames a second)\n", scene.name, scene.seed,
                scene.duration_s, scene.camera.fps_hz);
     print_rig(rig, distance_m);
+    fmt::print("\n{}\n{}", describe_arms(scene), describe_thread(scene));
     fmt::print("\nresolved:\n{}", scenes::to_yaml(scene));
     return kDone;
 }
@@ -113,6 +116,13 @@ int info(const InfoOptions& options) {
         return kDone;
     }
     const fs::path path = options.path;
+    if (!options.sag_mm.empty()) {
+        const scenes::SceneConfig scene = path.empty()
+                                              ? scenes::parse_scene("--set", "{}", ".", options.overrides)
+                                              : scenes::load_scene(path, options.overrides);
+        fmt::print("{}", describe_sag(scene, options.sag_mm[0], options.sag_mm[1]));
+        return kDone;
+    }
     if (path.empty()) throw scenes::FileError("info", "no PATH, expected a file or folder to describe");
     if (!fs::exists(path)) throw scenes::FileError(options.path, "no such file or folder");
     if (looks_like_calibration(path)) {
@@ -133,6 +143,10 @@ void add_info_command(CLI::App& program, Command& chosen) {
     app->add_flag("--cameras", options->cameras, "list the camera presets with their sources");
     app->add_flag("--scene-keys", options->scene_keys, "print the reference of scene files (docs/scene.md)");
     app->add_flag("--verify", options->verify, "recompute the checksums of a sequence or dataset");
+    app->add_option("--fit-sag", options->sag_mm,
+                    "EI of the scene's (or the default) thread: L_mm of it, clamped horizontally, hangs down "
+                    "by SAG_mm")
+        ->expected(2);
     app->add_option("--set", options->overrides, "override a scene key: key.path=value")
         ->expected(1)
         ->take_all();

@@ -10,6 +10,7 @@
 #include "experiments/output_folder.hpp"
 #include "experiments/progress_meter.hpp"
 #include "experiments/run_recorder.hpp"
+#include "scenes/file_error.hpp"
 #include "scenes/scene_file.hpp"
 
 namespace atropos::experiments {
@@ -25,6 +26,9 @@ struct RunOptions {
 int run(const RunOptions& options) {
     check_output(options.output, options.common.force);
     scenes::SceneConfig scene = scenes::load_scene(options.scene, options.common.all_overrides());
+    if (scene.arms.psm3.motion != "scissors")
+        throw scenes::FileError(options.scene, "arms.PSM3.motion is " + scene.arms.psm3.motion +
+                                                   ", expected scissors: a run closes the loop with them");
     scene.tracking.tracker.threads = options.common.threads;
     OutputFolder output(options.output, options.common.force);
     const auto start = std::chrono::steady_clock::now();

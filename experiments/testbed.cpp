@@ -6,6 +6,7 @@
 #include "robot/tool.hpp"
 #include "scenes/scene_file.hpp"
 #include "sim/hanging_curve.hpp"
+#include "sim/knotted_curve.hpp"
 
 namespace atropos::experiments {
 using Eigen::Isometry3d;
@@ -49,6 +50,7 @@ sim::ThreadOptions thread_options(const scenes::ThreadConfig& config) {
     replace(options.material.density_kg_m3, config.density_kg_m3);
     replace(options.material.EA_N, config.EA_N);
     replace(options.material.EI_N_m2, config.EI_N_m2);
+    options.natural_curvature_per_m = config.natural_curvature_per_m;
     replace(options.material.GJ_N_m2, config.GJ_N_m2);
     replace(options.material.self_friction, config.friction);
     options.diameter_m = config.diameter_m;
@@ -57,47 +59,99 @@ sim::ThreadOptions thread_options(const scenes::ThreadConfig& config) {
     return options;
 }
 
-Testbed::~Testbed() = default;
-
-Testbed::Testbed(const scenes::SceneConfig& scene) : scene_(scene), rig_(scenes::scene_rig(scene.camera)) {
+robot::Layout scene_layout(const scenes::SceneConfig& scene) {
     robot::Layout layout = scene.arms.layout == "lab_rig"
                                ? robot::lab_rig()
                                : robot::default_layout(working_distance_m(scene.camera));
+    for (int i = 0; i < kArms; ++i) {
+        const scenes::ArmConfig& keys = arm_config(scene, i);
+        const auto index = static_cast<size_t>(i);
+        const std::string name = "PSM" + std::to_string(i + 1);
+        const bool placed = !keys.base_m.isZero(0.0);
+        if (index >= layout.arms.size()) {
+            if (!placed)
+                throw std::invalid_argument("arms.layout " + scene.arms.layout + " has no " + name +
+                                            ", expected arms." + name + ".base_mm");
+            layout.arms.push_back({name, Isometry3d::Identity(), {}});
+        }
+        if (placed)
+            layout.arms[index].X_WB = robot::aimed_base(keys.base_m, Vector3d::Zero(), Vector3d::UnitY());
+        layout.arms[index].tool = keys.tool;
+    }
+    return layout;
+}
+
+Testbed::~Testbed() = default;
+
+Testbed::Testbed(const scenes::SceneConfig& scene) : scene_(scene), rig_(scenes::scene_rig(scene.camera)) {
+    const robot::Layout layout = scene_layout(scene);
     tree_ = robot::frame_tree(layout, rig_);
     X_WC_ = tree_.pose("W", "C");
-    motion_ = make_grip_motion(scene_, X_WC_);
     build_arms(layout);
     build_world();
+}
+
+robot::Joints Testbed::starting_joints(int arm, const Isometry3d& X_WF) const {
+    const robot::Psm psm(robot::tool(arm_config(scene_, arm).tool));
+    const bool cuts = arm == kScissorsArm && psm.tool().X_TS;
+    const robot::IkResult<robot::Joints> ik = robot::joints_for(psm, X_WB_[static_cast<size_t>(arm)], X_WF,
+                                                                cuts ? *psm.tool().X_TS : psm.tool().X_TG);
+    if (!ik)
+        throw std::invalid_argument("PSM" + std::to_string(arm + 1) +
+                                    " can't reach its starting pose: " + robot::reason(ik));
+    return ik.q;
 }
 
 void Testbed::build_arms(const robot::Layout& layout) {
     const robot::LayoutDefaults defaults;
     const robot::Imperfection imperfection = robot::Imperfection::of(scene_.arms.accuracy);
-    const std::array<const scenes::ArmConfig*, kArms> configs = {&scene_.arms.psm1, &scene_.arms.psm2,
-                                                                 &scene_.arms.psm3};
-    const std::array<Isometry3d, 2> X_WG = motion_->X_WG(0.0);
-    if (configs[0]->holds != "start" || configs[1]->holds != "end" || configs[2]->holds != "nothing")
+    const scenes::ArmsConfig& keys = scene_.arms;
+    if (keys.psm1.holds != "start" || keys.psm2.holds != "end" || keys.psm3.holds != "nothing")
         throw std::invalid_argument("arms: expected PSM1 to hold the start, PSM2 the end, PSM3 nothing");
-    for (size_t i = 0; i < kArms; ++i) {
-        robot::ArmPlacement placement = layout.arm("PSM" + std::to_string(i + 1));
-        placement.tool = configs[i]->tool;
-        X_WB_[i] = placement.X_WB;
-        const robot::Psm psm(robot::tool(placement.tool));
+    MotionStart start;
+    start.X_WG = defaults.X_WG();
+    start.X_WC = X_WC_;
+    std::array<std::optional<robot::Replay>, kArms> replays;
+    for (int i = 0; i < kArms; ++i) {
+        const auto index = static_cast<size_t>(i);
+        const robot::ArmPlacement& placement = layout.arm("PSM" + std::to_string(i + 1));
+        X_WB_[index] = placement.X_WB;
         const bool holds = i != kScissorsArm;
-        const Isometry3d X_WF = holds ? X_WG[i] : defaults.X_WS_parked(placement.X_WB.translation());
-        const auto& X_TS = psm.tool().X_TS;
-        if (!holds && !X_TS)
-            throw std::invalid_argument("arms.PSM3.tool " + placement.tool +
-                                        " has no blades, expected scissors");
-        const robot::IkResult<robot::Joints> ik =
-            robot::joints_for(psm, placement.X_WB, X_WF, holds ? psm.tool().X_TG : *X_TS);
-        if (!ik)
-            throw std::invalid_argument(placement.name +
-                                        " can't reach its starting pose: " + robot::reason(ik));
-        arms_[i] = std::make_unique<robot::RobotArm>(
-            placement, tree_, ik.q, holds ? defaults.holder_jaw_rad : defaults.parked_jaw_rad, imperfection,
-            scene_.seed);
+        robot::Joints q;
+        double jaw = holds ? defaults.holder_jaw_rad : defaults.parked_jaw_rad;
+        if (arm_config(scene_, i).motion == "replay") {
+            replays[index] = load_replay(scene_, i, tree_);
+            q = replays[index]->joints(0.0);
+            jaw = replays[index]->jaw_rad(0.0);
+            const robot::Psm psm(robot::tool(placement.tool));
+            if (holds) start.X_WG[index] = placement.X_WB * psm.forward(q) * psm.tool().X_TG;
+        } else {
+            q = starting_joints(
+                i, holds ? start.X_WG[index] : defaults.X_WS_parked(placement.X_WB.translation()));
+        }
+        arms_[index] = std::make_unique<robot::RobotArm>(placement, tree_, q, jaw, imperfection, scene_.seed);
     }
+    for (int i = 0; i < kArms; ++i) {
+        const auto index = static_cast<size_t>(i);
+        start.X_WB = X_WB_[index];
+        start.replay = replays[index] ? &*replays[index] : nullptr;
+        motions_[index] = make_arm_motion(scene_, i, start);
+    }
+}
+
+scenes::Polyline Testbed::starting_curve() const {
+    // The true grips, not the commanded ones, say where the thread begins.
+    std::array<sim::CurveEnd, 2> ends;
+    for (size_t i = 0; i < 2; ++i) {
+        const Isometry3d X_WG = X_WC_ * arms_[i]->truth().value.X_CT * arms_[i]->psm().tool().X_TG;
+        ends[i] = {X_WG.translation(), X_WG.linear().col(1)};
+    }
+    scenes::Polyline curve = scene_.thread.knot == scenes::ThreadKnot::kOverhand
+                                 ? sim::knotted_curve(ends[0], ends[1], scene_.thread.length_m)
+                                 : sim::hanging_curve(ends[0], ends[1], scene_.thread.length_m);
+    curve.points.insert(curve.points.begin(), ends[0].p_W - kTail_m * ends[0].tangent_W);
+    curve.points.push_back(ends[1].p_W + kTail_m * ends[1].tangent_W);
+    return curve;
 }
 
 void Testbed::build_world() {
@@ -113,19 +167,8 @@ void Testbed::build_world() {
     for (const auto& arm : arms_) world_->add_instrument(instrument_options(*arm));
     place_instruments();
 
-    // The true grips, not the commanded ones, say where the thread begins.
-    std::array<Isometry3d, 2> X_WG;
-    for (size_t i = 0; i < 2; ++i) {
-        const auto truth = arms_[i]->truth().value;
-        X_WG[i] = X_WC_ * truth.X_CT * arms_[i]->psm().tool().X_TG;
-    }
-    const Vector3d t0 = X_WG[0].linear().col(1), t1 = X_WG[1].linear().col(1);
-    scenes::Polyline curve =
-        sim::hanging_curve({X_WG[0].translation(), t0}, {X_WG[1].translation(), t1}, scene_.thread.length_m);
-    curve.points.insert(curve.points.begin(), X_WG[0].translation() - kTail_m * t0);
-    curve.points.push_back(X_WG[1].translation() + kTail_m * t1);
     const sim::ThreadOptions options = thread_options(scene_.thread);
-    world_->add_thread(curve, options);
+    world_->add_thread(starting_curve(), options);
     world_->hold(0, kTail_m, Vector3d::UnitY());
     world_->hold(1, options.length_m - kTail_m, Vector3d::UnitY());
     world_->settle();
@@ -148,11 +191,7 @@ void Testbed::place_instruments() {
 
 void Testbed::tick() {
     const double next_s = time_s() + robot::PsmArm::kPeriod_s;
-    const std::array<Isometry3d, 2> X_WG = motion_->X_WG(next_s);
-    for (size_t i = 0; i < 2; ++i) {
-        robot::RobotArm& holder = *arms_[i];
-        holder.controller().servo_cp(X_WB_[i].inverse() * X_WG[i] * holder.psm().tool().X_TG.inverse());
-    }
+    for (size_t i = 0; i < kArms; ++i) motions_[i]->step({next_s, *arms_[i], *world_});
     for (const auto& arm : arms_) arm->step();
     place_instruments();
     world_->step();

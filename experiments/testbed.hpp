@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/arm_motion.hpp"
 #include "render/tissue.hpp"
 #include "robot/frame_tree.hpp"
 #include "robot/layout.hpp"
@@ -14,16 +15,6 @@
 #include "sim/world.hpp"
 
 namespace atropos::experiments {
-
-constexpr int kArms = 3;  ///< PSM1, PSM2, PSM3
-constexpr int kScissorsArm = 2;
-
-/// What moves the holding arms: where their grip frames shall be, in W, at a time. Set by the scene.
-class GripMotion {
-  public:
-    virtual ~GripMotion() = default;
-    virtual std::array<Eigen::Isometry3d, 2> X_WG(double time_s) const = 0;
-};
 
 /// The simulated operating field: arms with their imperfections, tissue, thread, stepped together at 1 kHz.
 /// Built anew for each episode. It owns the truth; what a real system would know is asked of the arms
@@ -60,6 +51,8 @@ class Testbed {
 
   private:
     void build_arms(const robot::Layout& layout);
+    robot::Joints starting_joints(int arm, const Eigen::Isometry3d& X_WF) const;
+    scenes::Polyline starting_curve() const;
     void build_world();
     void place_instruments();
 
@@ -71,11 +64,11 @@ class Testbed {
     std::array<Eigen::Isometry3d, kArms> X_WB_;
     std::optional<render::Tissue> tissue_;
     std::unique_ptr<sim::World> world_;
-    std::unique_ptr<GripMotion> motion_;
+    std::array<std::unique_ptr<ArmMotion>, kArms> motions_;
 };
 
-/// The motion that a scene asks of its two holding arms.
-std::unique_ptr<GripMotion> make_grip_motion(const scenes::SceneConfig& scene, const Eigen::Isometry3d& X_WC);
+/// Where the arms' remote centres are, with the scene's instruments.
+robot::Layout scene_layout(const scenes::SceneConfig& scene);
 
 /// The thread's options from the scene's keys: a material by name, each figure replaceable.
 sim::ThreadOptions thread_options(const scenes::ThreadConfig& config);

@@ -12,12 +12,11 @@ using Eigen::Vector3d;
 
 // At unit rate one radian a second is the middle of the band; the rate then sets the speed.
 constexpr double kLow_rad_s = 0.6, kHigh_rad_s = 1.4;
-constexpr double kTremorLow_rad_s = 16.0 * std::numbers::pi, kTremorHigh_rad_s = 24.0 * std::numbers::pi;
 
-std::array<SmoothRandom, 3> random3(scenes::RandomStream& random, const Vector3d& bound,
-                                    double low = kLow_rad_s, double high = kHigh_rad_s) {
-    return {SmoothRandom(random, bound.x(), low, high), SmoothRandom(random, bound.y(), low, high),
-            SmoothRandom(random, bound.z(), low, high)};
+std::array<SmoothRandom, 3> random3(scenes::RandomStream& random, const Vector3d& bound) {
+    return {SmoothRandom(random, bound.x(), kLow_rad_s, kHigh_rad_s),
+            SmoothRandom(random, bound.y(), kLow_rad_s, kHigh_rad_s),
+            SmoothRandom(random, bound.z(), kLow_rad_s, kHigh_rad_s)};
 }
 
 // Grows from 0 to 1 with two continuous derivatives.
@@ -58,11 +57,7 @@ Manipulation::Manipulation(const std::array<Eigen::Isometry3d, 2>& X_CG, const M
     const double opposed = longest > distance ? options.opposed_m : 0.0;
     for (auto& o : opposed_) o = SmoothRandom(random, opposed, kLow_rad_s, kHigh_rad_s);
     for (auto& tilt : tilt_) tilt = random3(random, Vector3d::Constant(options.tilt_rad));
-    scenes::RandomStream shaking(seed, "motion.tremor");
-    const double tremor_bound = options.tremor_rms_m * 3.0 / std::sqrt(1.5);
-    for (auto& tremor : tremor_)
-        tremor = random3(shaking, Vector3d::Constant(tremor_bound), kTremorLow_rad_s, kTremorHigh_rad_s);
-
+    tremor_ = Tremor(options.tremor_rms_m, seed);
     rate_ = rate_for_speed();
 }
 
@@ -86,7 +81,7 @@ std::array<Eigen::Isometry3d, 2> Manipulation::at(double time_s) const {
     for (size_t i = 0; i < 2; ++i) {
         const double sign = i == 0 ? -1.0 : 1.0;
         // Tremor is the hand's, it does not speed up with the motion.
-        X[i].translation() += weight * (common + sign * opposed + value(tremor_[i], time_s));
+        X[i].translation() += weight * (common + sign * opposed + tremor_.at(i, time_s));
         const Vector3d tilt = weight * value(tilt_[i], u);
         if (const double angle = tilt.norm(); angle > 0.0)
             X[i].rotate(Eigen::AngleAxisd(angle, tilt / angle));

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "robot/smooth_random.hpp"
+#include "robot/tremor.hpp"
 
 namespace atropos::robot {
 
@@ -19,9 +20,8 @@ struct ManipulationOptions {
     double span_max = 0.82;  ///< never taut, never a heap
     double opposed_m = 0.0025;  ///< bound on each arm's own motion in each axis against the other's
     double tilt_rad = 0.12;     ///< bound on each grip's rotation about each axis
-    double tremor_rms_m =
-        0.0;              ///< hand tremor per axis, 8 to 12 Hz; 0.03 mm is what is left at a teleoperated tip
-    double ramp_s = 1.0;  ///< the motion grows from rest over this time
+    double tremor_rms_m = 0.0;  ///< see Tremor
+    double ramp_s = 1.0;        ///< the motion grows from rest over this time
 };
 
 /// Smooth random manipulation of the thread between two grips, in the camera frame C. Bounds on distance and
@@ -49,7 +49,7 @@ class Manipulation {
     std::array<SmoothRandom, 2> opposed_;
     Eigen::Matrix<double, 3, 2> across_;
     std::array<Random3, 2> tilt_;
-    std::array<Random3, 2> tremor_;
+    Tremor tremor_;
     double rate_ = 1.0;
 };
 

@@ -7,8 +7,8 @@
 namespace atropos::robot {
 namespace {
 
-ReachNeed need(const char* what, const Psm& psm, const ArmPlacement& arm, const Eigen::Isometry3d& X_WF,
-               const Eigen::Isometry3d& X_TF) {
+ReachNeed need(const std::string& what, const Psm& psm, const ArmPlacement& arm,
+               const Eigen::Isometry3d& X_WF, const Eigen::Isometry3d& X_TF) {
     ReachNeed n;
     n.what = what;
     const auto solution = joints_for(psm, arm.X_WB, X_WF, X_TF);
@@ -39,18 +39,21 @@ std::vector<ArmReach> reach_report(const Layout& layout, const LayoutDefaults& d
         r.reach_m = psm.forward(deepest).translation().norm();
         if (i < 2) {
             r.needs.push_back(need("holds its end", psm, arm, X_WG[i], psm.tool().X_TG));
-        } else if (psm.tool().X_TS) {
+        } else {
+            const bool cuts = psm.tool().X_TS.has_value();
+            const Eigen::Isometry3d& X_TF = cuts ? *psm.tool().X_TS : psm.tool().X_TG;
             const Eigen::Vector3d p_WB = arm.X_WB.translation(), x = Eigen::Vector3d::UnitX();
             const double half = 0.5 * defaults.thread_length_m, across = 0.5 * defaults.grip_distance_m;
             const double hang =
                 std::sqrt(std::max(0.0, half * half - across * across));  // of a V, the deepest
             const Eigen::Vector3d highest(0.0, 0.0, defaults.grip_height_m),
                 lowest(0.0, 0.0, defaults.grip_height_m - hang);
-            r.needs.push_back(need("parks", psm, arm, defaults.X_WS_parked(p_WB), *psm.tool().X_TS));
-            r.needs.push_back(need("cuts a taut middle", psm, arm, LayoutDefaults::X_WS(highest, x, p_WB),
-                                   *psm.tool().X_TS));
-            r.needs.push_back(need("cuts a slack middle", psm, arm, LayoutDefaults::X_WS(lowest, x, p_WB),
-                                   *psm.tool().X_TS));
+            const std::string does = cuts ? "cuts" : "grasps";
+            r.needs.push_back(need("parks", psm, arm, defaults.X_WS_parked(p_WB), X_TF));
+            r.needs.push_back(
+                need(does + " a taut middle", psm, arm, LayoutDefaults::X_WS(highest, x, p_WB), X_TF));
+            r.needs.push_back(
+                need(does + " a slack middle", psm, arm, LayoutDefaults::X_WS(lowest, x, p_WB), X_TF));
         }
         report.push_back(std::move(r));
     }

@@ -25,8 +25,8 @@ struct ArmReach {
     std::vector<ReachNeed> needs;
 };
 
-/// Base poses and reach for `atropos info`. PSM1 and PSM2 hold, PSM3 (when there is one, with blades) cuts a
-/// middle that hangs anywhere from straight between the grips to all of the spare length below them.
+/// Base poses and reach for `atropos info`. PSM1 and PSM2 hold, PSM3 (when there is one) cuts or
+/// grasps a middle that hangs anywhere from straight between the grips to all of the spare length below them.
 std::vector<ArmReach> reach_report(const Layout& layout, const LayoutDefaults& defaults);
 
 /// One line per arm and need.

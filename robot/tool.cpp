@@ -129,7 +129,9 @@ const Tool& tool(std::string_view name) {
     const std::string wanted = upper(name);
     std::string known;
     for (const Tool& t : tools()) {
-        if (wanted == t.name || wanted == std::string(t.name) + ":" + std::to_string(t.part_number)) return t;
+        if (wanted == t.name || wanted + "_FORCEPS" == t.name ||
+            wanted == std::string(t.name) + ":" + std::to_string(t.part_number))
+            return t;
         known += (known.empty() ? "" : ", ") + std::string(t.name);
     }
     throw std::invalid_argument("no instrument '" + std::string(name) + "', expected one of " + known);

@@ -49,7 +49,8 @@ Eigen::Matrix3d R_TG();
 /// All instruments, in the order of their part numbers.
 const std::vector<Tool>& tools();
 
-/// By dVRK name in either case, or "NAME:PART". Throws std::invalid_argument that lists the known names.
+/// By dVRK name in either case, with or without "_FORCEPS", or "NAME:PART". Throws std::invalid_argument that
+/// lists the known names.
 const Tool& tool(std::string_view name);
 
 }  // namespace atropos::robot

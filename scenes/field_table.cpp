@@ -50,6 +50,10 @@ void visit_thread(FieldVisitor& v, ThreadConfig& c) {
     v.number({"EI_N_m2", "bending stiffness; -1: the material's"}, c.EI_N_m2, {-1.0, 1e-3});
     v.number({"GJ_N_m2", "twist stiffness; -1: the material's"}, c.GJ_N_m2, {-1.0, 1e-3});
     v.number({"friction", "Coulomb coefficient; -1: the material's"}, c.friction, {-1.0, 2.0});
+    v.number({"natural_curvature_per_m",
+              "memory: 1 over the radius to which the thread curls when free; 0: straight"},
+             c.natural_curvature_per_m, {0.0, 500.0});
+    v.choice({"knot", "tied loosely between the grips at the start"}, c.knot, {"none", "overhand"});
     v.choice({"model", "the discrete elastic rod, or Bullet's soft rope for comparison"}, c.model,
              {"rod", "bullet_soft"});
     v.integer({"edges", "edges of the rod; 140 where a knot is tied"}, c.edges, 10, 1000);
@@ -64,8 +68,32 @@ void visit_arm(FieldVisitor& v, std::string_view name, ArmConfig& c) {
         v.text({"tool", "instrument"}, c.tool,
                {"large_needle_driver", "mega_needle_driver", "prograsp", "curved_scissors",
                 "round_tip_scissors"});
-        v.text({"motion", "what moves the arm"}, c.motion, {"hold", "manipulate", "scissors"});
+        v.text({"motion",
+                "what moves the arm: PSM1 and PSM2 hold, manipulate, waypoints, replay or pull; PSM3 hold, "
+                "scissors, mid_grasp, waypoints or replay"},
+               c.motion, {"hold", "manipulate", "scissors", "waypoints", "replay", "mid_grasp", "pull"});
         v.text({"holds", "what its jaws hold at the start"}, c.holds, {"start", "end", "nothing"});
+        v.vector({"base_mm", "remote centre in W, aimed at the target; [0, 0, 0]: the layout's"}, c.base_m,
+                 {-500.0, 500.0});
+        v.section({"recording", "motion: replay"}, [&] {
+            v.path({"file",
+                    "a sequence's kinematics.csv, bare joints q1..q6 (.csv), or JIGSAWS' 76 columns (.txt)"},
+                   c.recording.file);
+            v.text({"arm", "which of the file's arms; empty: the one of the same name, or the only one"},
+                   c.recording.arm, {});
+            v.number({"rate_hz", "of rows without a time"}, c.recording.rate_hz, {1.0, 10000.0});
+            v.section({"registration", "applied to recorded poses, in their own frame"}, [&] {
+                v.vector({"position_mm", "x, y, z"}, c.recording.position_m, {-1000.0, 1000.0});
+                v.vector({"rotation_deg", "rotation vector"}, c.recording.rotation_rad, {-180.0, 180.0});
+            });
+        });
+        v.section({"waypoints", "motion: waypoints, from where the arm starts, in the camera's axes"}, [&] {
+            v.vectors({"offsets_mm", "way-points in order"}, c.waypoints.offsets_m, {-100.0, 100.0});
+            v.vectors({"turns_deg", "rotation vectors there, one an offset; none: no turns"},
+                      c.waypoints.turns_rad, {-170.0, 170.0});
+            v.number({"blend_mm", "radius of the rounded corners"}, c.waypoints.blend_m, {0.0, 50.0});
+            v.number({"speed_mm_s", "along the way"}, c.waypoints.speed_m_s, {0.1, 500.0});
+        });
     });
 }
 
@@ -79,6 +107,20 @@ void visit_arms(FieldVisitor& v, ArmsConfig& c) {
     v.number({"speed_mm_s", "wanted mean speed of the thread's middle under motion: manipulate"}, c.speed_m_s,
              {0.0, 200.0});
     v.number({"amplitude_mm", "reach of motion: manipulate"}, c.amplitude_m, {0.0, 50.0});
+    v.number({"tremor_mm", "RMS per axis of the hand's tremor under hold and manipulate, 8 to 12 Hz"},
+             c.tremor_rms_m, {0.0, 1.0});
+    v.section({"mid_grasp", "motion: mid_grasp, the third arm takes the thread and lifts it"}, [&] {
+        v.number({"at_s", "when it sets out"}, c.mid_grasp.at_s, {0.0, 3600.0});
+        v.number({"fraction", "where, as a share of the span between the grips"}, c.mid_grasp.fraction,
+                 {0.05, 0.95});
+        v.number({"lift_mm", "back along its jaws"}, c.mid_grasp.lift_m, {0.0, 50.0});
+    });
+    v.section({"pull", "motion: pull, the holders part, as to tighten a knot"}, [&] {
+        v.number({"at_s", "when they begin"}, c.pull.at_s, {0.0, 3600.0});
+        v.number({"distance_mm", "way of each arm, at most"}, c.pull.distance_m, {0.1, 50.0});
+        v.number({"speed_mm_s", "of each arm"}, c.pull.speed_m_s, {0.1, 200.0});
+        v.number({"force_N", "pull of the thread at which an arm stops"}, c.pull.force_N, {0.001, 100.0});
+    });
     v.number({"time_scale", "above 1 the arms truly move that much faster"}, c.time_scale, {0.01, 20.0});
 }
 

@@ -44,6 +44,7 @@ class FieldVisitor {
     virtual void text(const Field&, std::string& value, const Words& words) = 0;
     virtual void path(const Field&, std::string& value) = 0;
     virtual void vector(const Field&, Eigen::Vector3d& value, const Range&) = 0;
+    virtual void vectors(const Field&, std::vector<Eigen::Vector3d>& values, const Range&) = 0;
     virtual void section(const Field&, const std::function<void()>& fields) = 0;
 
     /// An enumeration by its words, in the order of the enumerators.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "scenes/tracker_config.hpp"
 
@@ -22,6 +23,7 @@ struct CameraConfig {
 };
 
 enum class ThreadModel { kRod, kBulletSoft };
+enum class ThreadKnot { kNone, kOverhand };
 
 /// The suture. A material by name, each of its figures replaceable (negative: the material's own).
 struct ThreadConfig {
@@ -33,6 +35,9 @@ struct ThreadConfig {
     double EI_N_m2 = -1.0;
     double GJ_N_m2 = -1.0;
     double friction = -1.0;
+    double natural_curvature_per_m =
+        0.0;  ///< of a thread with memory: 1 / the radius it curls to; 0: straight
+    ThreadKnot knot = ThreadKnot::kNone;  ///< loose, between the grips, at the start
     ThreadModel model = ThreadModel::kRod;
     int edges = 100;
     std::string colour = "violet";
@@ -42,10 +47,45 @@ struct ThreadConfig {
 
 enum class ArmAccuracy { kPerfect, kCalibrated, kUncalibrated, kAsRecorded };
 
+/// motion: replay. A recording of an arm's motion, placed into the scene.
+struct RecordingConfig {
+    std::string file;        ///< kinematics.csv or bare joints (.csv), JIGSAWS' 76 columns (.txt)
+    std::string arm;         ///< which of the file's arms; empty: the one of the same name, or the only one
+    double rate_hz = 100.0;  ///< of rows without a time
+    Eigen::Vector3d position_m = Eigen::Vector3d::Zero();    ///< registration, in the recording's frame
+    Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();  ///< rotation vector
+};
+
+/// motion: waypoints. Of the grip (or blade) frame, against where the arm starts, in the camera's axes.
+struct WaypointConfig {
+    std::vector<Eigen::Vector3d> offsets_m;
+    std::vector<Eigen::Vector3d> turns_rad;  ///< rotation vectors, one an offset; none: no turns
+    double blend_m = 0.003;
+    double speed_m_s = 0.020;
+};
+
 struct ArmConfig {
     std::string tool;
-    std::string motion;  ///< hold | manipulate | scissors
+    std::string motion;  ///< hold | manipulate | scissors | waypoints | replay | mid_grasp | pull
     std::string holds;   ///< start | end | nothing
+    Eigen::Vector3d base_m = Eigen::Vector3d::Zero();  ///< remote centre in W; zero: the layout's
+    RecordingConfig recording{};
+    WaypointConfig waypoints{};
+};
+
+/// motion: mid_grasp. A third arm takes the thread between the grips and lifts it.
+struct MidGraspConfig {
+    double at_s = 0.5;
+    double fraction = 0.5;  ///< of the span between the grips
+    double lift_m = 0.010;  ///< back along its jaws
+};
+
+/// motion: pull. The holders part, as to tighten a knot, until their thread pulls back.
+struct PullConfig {
+    double at_s = 0.5;
+    double distance_m = 0.012;  ///< of each arm, at most
+    double speed_m_s = 0.005;
+    double force_N = 1.0;
 };
 
 struct ArmsConfig {
@@ -56,7 +96,10 @@ struct ArmsConfig {
     ArmConfig psm3{"round_tip_scissors", "scissors", "nothing"};
     double speed_m_s = 0.015;    ///< wanted mean speed of the thread's middle
     double amplitude_m = 0.010;  ///< reach of the random motion
+    double tremor_rms_m = 0.0;   ///< of held and manipulating hands per axis, 8 to 12 Hz
     double time_scale = 1.0;     ///< > 1: the arms truly move that much faster
+    MidGraspConfig mid_grasp;
+    PullConfig pull;
 };
 
 struct TissueConfig {

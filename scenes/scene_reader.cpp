@@ -107,6 +107,20 @@ class Reader final : public FieldVisitor {
         for (int i = 0; i < 3; ++i) value[i] = number_at(node[i], field.key, range);
     }
 
+    void vectors(const Field& field, std::vector<Eigen::Vector3d>& values, const Range& range) override {
+        const YAML::Node node = find(field);
+        if (!node) return;
+        const std::string expected = "a list of [x, y, z], at most 1000";
+        if (!node.IsSequence() || node.size() > 1000) wrong(node, field.key, expected);
+        values.clear();
+        for (const YAML::Node& row : node) {
+            if (!row.IsSequence() || row.size() != 3) wrong(row, field.key, expected);
+            Eigen::Vector3d value;
+            for (int i = 0; i < 3; ++i) value[i] = number_at(row[i], field.key, range);
+            values.push_back(value);
+        }
+    }
+
     void section(const Field& field, const std::function<void()>& fields) override {
         const YAML::Node node = find(field);
         if (!node) return;

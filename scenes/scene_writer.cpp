@@ -31,6 +31,11 @@ std::string plain_or_quoted(const std::string& text) {
     return out + "\"";
 }
 
+std::string row_in_file_unit(std::string_view key, const Eigen::Vector3d& v) {
+    return fmt::format("[{}, {}, {}]", in_file_unit(key, v.x()), in_file_unit(key, v.y()),
+                       in_file_unit(key, v.z()));
+}
+
 class Writer final : public FieldVisitor {
   public:
     std::string text_;
@@ -42,8 +47,13 @@ class Writer final : public FieldVisitor {
     void text(const Field& f, std::string& value, const Words&) override { line(f, plain_or_quoted(value)); }
     void path(const Field& f, std::string& value) override { line(f, plain_or_quoted(value)); }
     void vector(const Field& f, Eigen::Vector3d& v, const Range&) override {
-        line(f, fmt::format("[{}, {}, {}]", in_file_unit(f.key, v.x()), in_file_unit(f.key, v.y()),
-                            in_file_unit(f.key, v.z())));
+        line(f, row_in_file_unit(f.key, v));
+    }
+    void vectors(const Field& f, std::vector<Eigen::Vector3d>& values, const Range&) override {
+        std::string rows;
+        for (const Eigen::Vector3d& v : values)
+            rows += (rows.empty() ? "" : ", ") + row_in_file_unit(f.key, v);
+        line(f, "[" + rows + "]");
     }
     void section(const Field& f, const std::function<void()>& fields) override {
         text_ += fmt::format("{:{}}{}:\n", "", indent_, f.key);
@@ -78,10 +88,10 @@ class Documenter final : public FieldVisitor {
     }
     void path(const Field& f, std::string& value) override { row(f, value, "a file"); }
     void vector(const Field& f, Eigen::Vector3d& v, const Range& r) override {
-        row(f,
-            fmt::format("[{}, {}, {}]", in_file_unit(f.key, v.x()), in_file_unit(f.key, v.y()),
-                        in_file_unit(f.key, v.z())),
-            "three, each " + range(r));
+        row(f, row_in_file_unit(f.key, v), "three, each " + range(r));
+    }
+    void vectors(const Field& f, std::vector<Eigen::Vector3d>&, const Range& r) override {
+        row(f, "[]", "rows of three, each " + range(r));
     }
     void section(const Field& f, const std::function<void()>& fields) override {
         const std::string outer_path = path_;

@@ -32,7 +32,13 @@ void Rod::set_state(const ThreadState& state) {
     for (int i = 0; i < state.edge_count(); ++i)
         if (state.has_edge(i) && !(state.rest_length_m(i) > 0.0))
             throw std::invalid_argument("Rod: edge of no length, expected increasing arc length");
+    const bool same_edges = !mass_kg_.empty() && state.p_W.size() == state_.p_W.size();
     state_ = state;
+    if (same_edges)
+        memory_.accept(state_, state_.p_W);
+    else
+        memory_.reset(state_,
+                      {parameters_.natural_curvature_per_m, parameters_.EI_N_m2, parameters_.GJ_N_m2});
     set_masses();
     pull_N_.assign(state_.p_W.size(), Vector3d::Zero());
     self_contact_.clear();
@@ -41,6 +47,7 @@ void Rod::set_state(const ThreadState& state) {
 
 void Rod::cut(int edge, double t) {
     ThreadDynamics::cut(edge, t);
+    memory_.insert(t == 1.0 ? edge + 1 : edge, t == 0.0 || t == 1.0 ? 1 : 2);
     set_masses();
     pull_N_.assign(state_.p_W.size(), Vector3d::Zero());
     self_contact_.clear();
@@ -85,6 +92,7 @@ void Rod::step(double dt_s, Boundary& boundary, std::vector<SurfaceContact>& con
     std::vector<double> impulse(contacts.size(), 0.0);
     double done = 0.0, h = dt_s;
     int halvings = 0;
+    memory_.hold(state_, boundary.rolls);
     while (done < dt_s * (1.0 - 1e-9)) {
         Substep sub;
         sub.h = std::min(h, dt_s - done);
@@ -121,6 +129,7 @@ void Rod::step(double dt_s, Boundary& boundary, std::vector<SurfaceContact>& con
                                                  sub.multiplier_force.segment<3>(3 * static_cast<int>(i)))
                                       : Vector3d::Zero();
         }
+        memory_.accept(state_, state_.p_W);
         remember_contacts(sub);
         for (size_t c = 0; c < contacts.size(); ++c) impulse[c] += sub.h * past_contacts_[c].normal_N;
         done += sub.h;
@@ -142,6 +151,7 @@ bool Rod::advance(Substep& sub) {
 
     lag_friction(sub);
     bool converged = false;
+    double before_m = 0.0;
     for (int iteration = 0;; ++iteration) {
         const bool touching = !near.empty() && self_contact_.count() > 0;
         const int most = touching ? parameters_.max_newton_in_contact
@@ -163,7 +173,12 @@ bool Rod::advance(Substep& sub) {
         if (!search_line(sub, slope, sub.multiplier_force)) return false;
         const double tolerance =
             self_contact_.count() > 0 ? parameters_.contact_tolerance_m : parameters_.tolerance_m;
-        converged = direction_.lpNorm<Eigen::Infinity>() <= tolerance;
+        const double moved_m = direction_.lpNorm<Eigen::Infinity>();
+        // Steps shrink at least in proportion: where the next would be a tenth of the tolerance it is not
+        // needed.
+        converged = moved_m <= tolerance || (self_contact_.count() == 0 && sub.contacts.empty() &&
+                                             moved_m * moved_m <= 0.1 * tolerance * before_m);
+        before_m = moved_m;
     }
     report_.converged = converged;
     report_.self_contacts = near.empty() ? 0 : self_contact_.count();

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sim/banded_ldlt.hpp"
+#include "sim/rod_memory.hpp"
 #include "sim/self_contact.hpp"
 #include "sim/thread_dynamics.hpp"
 
@@ -11,9 +12,10 @@ namespace atropos::sim {
 
 /// What a rod is made of and how it is solved; SI.
 struct RodParameters {
-    double EA_N = 427.0;       ///< axial stiffness
-    double EI_N_m2 = 1e-8;     ///< bending stiffness
-    double GJ_N_m2 = 0.75e-8;  ///< twisting stiffness
+    double EA_N = 427.0;                   ///< axial stiffness
+    double EI_N_m2 = 1e-8;                 ///< bending stiffness
+    double GJ_N_m2 = 0.75e-8;              ///< twisting stiffness
+    double natural_curvature_per_m = 0.0;  ///< memory, see RodMemory
     double linear_density_kg_m = 6.6e-5;
     double diameter_m = 0.25e-3;
     double drag_N_s_m2 = 1e-4;  ///< air drag: force a metre of thread a m/s
@@ -65,6 +67,7 @@ class Rod final : public ThreadDynamics {
     /// Its derivative by the nodes, 1/m.
     std::vector<Eigen::Vector3d> twist_gradient(const TwistSpan& span,
                                                 const std::vector<Eigen::Vector3d>& x) const;
+    const RodMemory& memory() const { return memory_; }
     double mass_kg() const;
     Eigen::Vector3d momentum_kg_m_s() const;
 
@@ -99,6 +102,7 @@ class Rod final : public ThreadDynamics {
     Eigen::VectorXd gradient_, direction_;
     BandedLdlt matrix_;
     SelfContactSolver self_contact_;
+    RodMemory memory_;
     std::vector<Eigen::Vector3d> pull_N_;
     struct PastContact {
         int edge, body;

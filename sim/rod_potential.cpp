@@ -80,6 +80,7 @@ double Rod::twist_at(const TwistSpan& span, const std::vector<Vector3d>& x) cons
 }
 
 double Rod::twist_energy(const Boundary& boundary, const std::vector<Vector3d>& x) const {
+    if (memory_.is_on()) return memory_.energy_J(state_, x);
     double sum = 0.0;
     for (const TwistSpan& span : boundary.twists) {
         const double twist = twist_at(span, x);
@@ -206,6 +207,7 @@ std::vector<Vector3d> Rod::twist_gradient(const TwistSpan& span, const std::vect
 }
 
 void Rod::add_twist_gradient(const Substep& sub) {
+    if (memory_.is_on()) return memory_.add_gradient(state_, x_, gradient_);
     for (const TwistSpan& span : sub.boundary->twists) {
         const double torque = parameters_.GJ_N_m2 / span_length_m(span) * twist_at(span, x_);
         const std::vector<Vector3d> gradient = twist_gradient(span, x_);

@@ -37,10 +37,18 @@ struct TwistSpan {
     double twist_rad;  ///< in: value at the last tick, for the branch; out: value at the end of this one
 };
 
+/// A held edge whose section turns with its holder: for thread with memory, whose section is not all alike.
+struct HeldRoll {
+    int edge;
+    int grip;             ///< which grip, as long as it lives
+    Eigen::Vector3d m_W;  ///< across the thread, turns with the holder
+};
+
 /// What is imposed from outside during one tick.
 struct Boundary {
     std::vector<PrescribedNode> nodes;
     std::vector<TwistSpan> twists;
+    std::vector<HeldRoll> rolls{};
 };
 
 /// One point of an edge near a body's surface, seen as a plane for the length of a tick.

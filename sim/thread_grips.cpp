@@ -63,6 +63,7 @@ void ThreadGrips::add(Grip grip, const ThreadState& state) {
     const auto next =
         std::find_if(grips_.begin(), grips_.end(), [&](const Grip& g) { return g.s_m > grip.s_m; });
     const auto index = static_cast<size_t>(next - grips_.begin());
+    grip.number = next_number_++;
     grip.strand_edge = edge_at(state, grip.s_m);
     const Eigen::Matrix3d R_HW = grip.X_WH.linear().transpose();
     const Vector3d t_W = grip.X_WH.linear() * grip.t_H;
@@ -128,6 +129,9 @@ Boundary ThreadGrips::boundary(const ThreadState& state) {
             held_[g].nodes.push_back(node);
         }
     }
+    for (const Grip& grip : grips_)
+        if (grip.holds_direction)
+            result.rolls.push_back({grip.strand_edge, grip.number, grip.X_WH.linear() * grip.m_H});
     span_of_.clear();
     for (size_t g = 0; g + 1 < grips_.size(); ++g) {
         const Grip &a = grips_[g], &b = grips_[g + 1];
@@ -157,25 +161,34 @@ Vector3d ThreadGrips::pull_W_N(int holder) const {
     return Vector3d::Zero();
 }
 
-std::vector<int> ThreadGrips::slide(const ThreadDynamics& thread, double dt_s) {
-    constexpr double kMostSpeed_m_s = 0.25;
-    std::vector<int> slid;
+std::optional<SlidGrip> ThreadGrips::slide(const ThreadDynamics& thread, double dt_s) {
+    constexpr double kMostSpeed_m_s = 0.25, kStopsWithin = 0.01;
     const ThreadState& state = thread.state();
+    Grip* yielding = nullptr;
+    double yielding_along_N = 0.0, yielding_ratio = 1.0;
     for (size_t g = 0; g < grips_.size(); ++g) {
         Grip& grip = grips_[g];
         if (grip.holder < 0) continue;
         const double along = pull_N_[g].dot(grip.X_WH.linear() * grip.t_H);
-        const double excess = std::abs(along) - grip.slip_limit_N;
-        if (excess <= 0.0) continue;
-        // The pull falls by EA/L a metre of thread let through; half of what would restore the limit, as the
-        // neighbour's end may give way too. The thread that is pulled forward lowers s at the jaw.
-        const double length = 0.5 * (state.s_m.back() - state.s_m.front());
-        const double compliance = length / std::max(thread.axial_stiffness_N(), 1e-9);
-        const double distance = std::min(0.5 * excess * compliance, kMostSpeed_m_s * dt_s);
-        grip.s_m -= std::copysign(distance, along);
-        slid.push_back(static_cast<int>(g));
+        const double sliding_limit = kSlidingShare * grip.slip_limit_N;
+        if (grip.slipping && std::abs(along) <= (1.0 + kStopsWithin) * sliding_limit) grip.slipping = false;
+        const double ratio = std::abs(along) / (grip.slipping ? sliding_limit : grip.slip_limit_N);
+        if (ratio <= yielding_ratio) continue;
+        yielding = &grip;
+        yielding_along_N = along;
+        yielding_ratio = ratio;
     }
-    return slid;
+    if (!yielding) return std::nullopt;
+    const bool begins = !yielding->slipping;
+    yielding->slipping = true;
+    // The pull falls by EA/L a metre of thread let through; half of what would restore the limit, so that it
+    // never falls short. Thread that is pulled forward lowers s at the jaw.
+    const double excess = std::abs(yielding_along_N) - kSlidingShare * yielding->slip_limit_N;
+    const double compliance =
+        (state.s_m.back() - state.s_m.front()) / std::max(thread.axial_stiffness_N(), 1e-9);
+    const double distance = std::min(0.5 * excess * compliance, kMostSpeed_m_s * dt_s);
+    yielding->s_m -= std::copysign(distance, yielding_along_N);
+    return SlidGrip{yielding, begins};
 }
 
 void ThreadGrips::forget_twist_across(double s_m) {

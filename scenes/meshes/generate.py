@@ -248,15 +248,15 @@ def prograsp_jaw():
     # A window between two rails, closed by a broad nose.
     for side in (1.0, -1.0):
         mesh.add("steel", loft([superellipse(x, side * y, hx, 0.50, z) for z, x, y, hx in
-                                ((4.0, 1.45, 1.32, 1.15), (5.5, 1.35, 1.38, 1.05), (7.2, 1.22, 1.36, 0.95), (9.2, 1.15, 1.18, 0.88))]))
+                                ((4.0, 1.45, 1.32, 1.15), (5.5, 1.35, 1.38, 1.05), (7.2, 1.22, 1.26, 0.95), (9.2, 1.15, 1.18, 0.88))]))
         ridge = Mesh()
         teeth(ridge, "steel", 4.1, 9.1, 0.62, 0.42, 0.2, 0.6)
         for polygons in ridge.faces.values():
-            mesh.add("steel", [[(x, y + side * 1.34, z) for x, y, z in p] for p in polygons])
+            mesh.add("steel", [[(x, y + side * 0.9, z) for x, y, z in p] for p in polygons])
     mesh.add("steel", loft([superellipse(1.18, 0.0, 0.92, 1.68, 8.7), superellipse(1.15, 0.0, 0.9, 1.62, 9.6),
                             superellipse(1.08, 0.0, 0.85, 1.36, 10.4), superellipse(0.95, 0.0, 0.66, 0.95, 10.9),
                             superellipse(0.85, 0.0, 0.36, 0.55, 11.1)]))
-    teeth(mesh, "steel", 8.8, 10.8, 0.62, 1.1, 0.2, 0.5)
+    teeth(mesh, "steel", 8.8, 10.8, 0.62, lambda z: 1.1 - 0.12 * (z - 8.8), 0.2, 0.5)
     return mesh
 
 
@@ -264,7 +264,8 @@ def blade(bow, tip_round, side):
     """A scissor blade lying at `side` of the plane y = bow: shearing face there, edge at x = -0.2, back at +x."""
     mesh = Mesh()
     hub(mesh, 0.06, 2.45) if side > 0 else hub(mesh, -2.45, -0.06)
-    heights = [1.2, 1.9, 2.6, 3.4] + [3.4 + 7.45 * i / 18.0 for i in range(1, 19)]
+    reach = 7.2 if bow > 0.0 else 7.45  # the bow turns the point away from its capsule
+    heights = [1.2, 1.9, 2.6, 3.4] + [3.4 + reach * i / 18.0 for i in range(1, 19)]
     sections = []
     for z in heights:
         y0 = bow * (z / 11.0) ** 2 + side * 0.03

@@ -35,8 +35,8 @@ TEST_P(InstrumentMesh, stays_inside_its_collision_capsules_by_half_a_millimetre)
 }
 
 INSTANTIATE_TEST_SUITE_P(Tools, InstrumentMesh,
-                         testing::Values(std::string("LARGE_NEEDLE_DRIVER"),
-                                         std::string("ROUND_TIP_SCISSORS")));
+                         testing::Values(std::string("LARGE_NEEDLE_DRIVER"), std::string("PROGRASP_FORCEPS"),
+                                         std::string("CURVED_SCISSORS"), std::string("ROUND_TIP_SCISSORS")));
 
 TEST(Tissue, is_the_same_for_the_same_seed_and_another_for_another) {
     TissueOptions options;

@@ -85,6 +85,38 @@ TEST(Jaws, grasp_in_mid_thread_carry_it_and_let_it_go) {
     EXPECT_EQ(count(held.world, EventKind::kRelease), 1);
 }
 
+/// Pulls two grippers apart at 20 mm/s, 10 mm farther than the thread between them is long.
+TEST(Jaws, of_two_that_pull_too_hard_one_lets_the_thread_through_and_the_other_keeps_it) {
+    HeldThread held(0.05, 0.07, {}, {}, 0.004);
+    double most_N = 0.0;
+    for (int tick = 0; tick < 1100; ++tick) {
+        held.X_WG[1].translation().x() += 2e-5;
+        held.world.set_jaws(1, held.X_WG[1], 0.0);
+        held.world.step();
+        most_N = std::max(most_N, held.world.grip_force_N(0));
+        if (count(held.world, EventKind::kSlip) == 1 && count(held.world, EventKind::kRelease) == 0) {
+            EXPECT_TRUE(held.world.holds(0) && held.world.holds(1));
+        }
+    }
+    const auto& events = held.world.events();
+    const auto slip =
+        std::find_if(events.begin(), events.end(), [](const Event& e) { return e.kind == EventKind::kSlip; });
+    const auto release = std::find_if(events.begin(), events.end(),
+                                      [](const Event& e) { return e.kind == EventKind::kRelease; });
+    ASSERT_NE(slip, events.end());
+    ASSERT_NE(release, events.end());
+    EXPECT_EQ(count(held.world, EventKind::kRelease), 1);
+    EXPECT_EQ(slip->instrument, release->instrument);
+    EXPECT_NE(held.world.holds(0), held.world.holds(1));
+    const double limit_N = 2.0 * held.options.material.jaw_friction * JawGeometry{}.hold_force_N;
+    EXPECT_NEAR(slip->force_N, limit_N, 0.02 * limit_N);
+    EXPECT_LT(most_N, 1.02 * limit_N);
+    // The tail of 4 mm went through the jaws at 20 mm/s.
+    EXPECT_NEAR(release->time_s - slip->time_s, 0.2, 0.03);
+    std::printf("slips at %.2f N of %.2f, out after %.3f s\n", slip->force_N, limit_N,
+                release->time_s - slip->time_s);
+}
+
 std::uint64_t hash_of_an_episode() {
     HeldThread held;
     const Vector3d middle = held.world.thread().sample(0, 0.0301);

@@ -264,11 +264,15 @@ TEST(Rod, keeps_a_twisted_ring_flat_up_to_the_twist_of_michell) {
     EXPECT_GT(above, 1e-4);
 }
 
+/// Off-axis size of a string under constant tension and that share of Greenhill's torque, started 1
+/// micrometre off its axis, after 0.1 s; its far end is moved so that the tension stays. In steps of 0.1 ms,
+/// because backward Euler holds down what grows faster than once a step (here 3400 /s).
 double twisted_string_m(double share) {
     RodParameters parameters;
     parameters.gravity_W_m_s2.setZero();
     parameters.GJ_N_m2 = parameters.EI_N_m2;
     parameters.self_contact = false;
+    parameters.EA_N = 5.0;  // gives way enough that its end can be moved as a coil takes up length
     const int edges = 200;
     const double length = 0.07, EI = parameters.EI_N_m2, tension = 4000 * EI / (length * length);
     const double stretched = length * (1 + tension / parameters.EA_N), edge = stretched / edges;
@@ -288,19 +292,29 @@ double twisted_string_m(double share) {
     const double twist = torque * (length - length / edges) / parameters.GJ_N_m2;
     const Vector3d m = Vector3d::UnitZ();
     ends.twists.push_back({0, edges - 1, m, Eigen::AngleAxisd(twist, Vector3d::UnitX()) * m, twist});
-    testing::run(rod, ends, 0.5, 1e-3);
+    std::vector<SurfaceContact> none;
     double out = 0.0;
-    for (const auto& p : rod.state().p_W) out = std::max(out, std::hypot(p.y(), p.z()));
+    for (int tick = 0; tick < 1000 && out < 1e-4; ++tick) {
+        rod.step(1e-4, ends, none);
+        const double pull = -rod.pull_on_node_N(edges - 1).x() - rod.pull_on_node_N(edges).x();
+        for (int k = 2; k < 4; ++k)
+            ends.nodes[static_cast<size_t>(k)].p_W.x() += 0.2 * (tension - pull) * length / parameters.EA_N;
+        out = 0.0;
+        for (const auto& p : rod.state().p_W) out = std::max(out, std::hypot(p.y(), p.z()));
+    }
     return out;
 }
 
+// Below the torque the disturbance dies; above it there is no coil in which the string could rest, because
+// neither the load nor the torque gives way before the coil is as wide as the thread (torque falls by 5 %
+// at half a millimetre): it grows a hundredfold, to 0.1 mm. Clamped ends raise the torque of this string by
+// less than 1 % (4 pi^2 / 4000 of its square), edges by less than 1 % ((k l)^2 / 12 at k l = 0.3).
 TEST(Rod, coils_under_tension_at_the_torque_of_greenhill) {
     const double below = twisted_string_m(0.95), above = twisted_string_m(1.05);
     std::printf("twisted string off its axis: %.2e m at 0.95, %.2e m at 1.05 of Greenhill's torque\n", below,
                 above);
-    // The ends do not give, so that a coil of 1.6 micrometres already takes up the 5 % of tension.
-    EXPECT_LT(below, 1e-7);
-    EXPECT_GT(above, 1e-6);
+    EXPECT_LT(below, 1e-6);
+    EXPECT_GT(above, 1e-4);
 }
 
 TEST(Rod, has_a_twist_gradient_that_agrees_with_differences) {
