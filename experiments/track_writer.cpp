@@ -22,9 +22,9 @@ ThreadEstimate resampled(const ThreadEstimate& estimate, int count) {
         const ThreadSample &a = from[i - 1], &b = from[i];
         const double t = std::clamp((s - a.s_m) / (b.s_m - a.s_m), 0.0, 1.0);
         const auto mix = [t](auto x, auto y) { return (1.0 - t) * x + t * y; };
-        result.samples[static_cast<size_t>(k)] = {s, mix(a.p_C, b.p_C),
-                                                  mix(a.sigma_lateral_m, b.sigma_lateral_m),
-                                                  mix(a.sigma_depth_m, b.sigma_depth_m)};
+        result.samples[static_cast<size_t>(k)] = {
+            s, mix(a.p_C, b.p_C), mix(a.sigma_lateral_m, b.sigma_lateral_m),
+            mix(a.sigma_depth_m, b.sigma_depth_m), mix(a.sigma_along_m, b.sigma_along_m)};
     }
     return result;
 }

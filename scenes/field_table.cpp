@@ -197,7 +197,10 @@ void visit_tracker(FieldVisitor& v, TrackingConfig& c) {
                  t.refined.contrast_levels, {0.1, 255.0});
         v.number({"blur_px", "standard deviation of optics and pixel"}, t.refined.blur_px, {0.1, 10.0});
         v.number({"length_sigma_mm", "of a known length"}, t.refined.length_sigma_m, positive(50.0));
-        v.number({"tip_sigma_mm", "of measured ends"}, t.refined.tip_sigma_m, positive(50.0));
+        v.number({"tip_sigma_mm", "of measured ends, what is new in each frame"}, t.refined.tip_sigma_m,
+                 positive(50.0));
+        v.number({"tip_bias_sigma_mm", "of measured ends, each axis: the arm's constant error"},
+                 t.refined.tip_bias_sigma_m, {0.0, 50.0});
         v.number({"instrument_sigma_mm", "of measured instruments"}, t.refined.instrument_sigma_m,
                  {0.0, 50.0});
         v.integer({"coasting_frames", "unseen for longer: lost"}, t.refined.coasting_frames, 0, 100000);

@@ -18,6 +18,7 @@ struct ThreadSample {
     Eigen::Vector3d p_C = Eigen::Vector3d::Zero();  ///< m
     double sigma_lateral_m = 0.0;                   ///< one sigma across the viewing ray
     double sigma_depth_m = 0.0;                     ///< one sigma along the viewing ray
+    double sigma_along_m = 0.0;  ///< one sigma along the thread: how far it may have slid at this arc length
 };
 
 /// The thread's span between its two ends as a tracker sees it. The only thing the scissors command gets from

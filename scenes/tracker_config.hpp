@@ -94,7 +94,8 @@ struct TrackerConfig {
         double contrast_levels = 4.0;    ///< grey levels a thread is darker than both of its sides, at least
         double blur_px = 0.65;           ///< standard deviation of optics and pixel
         double length_sigma_m = 0.0002;  ///< of a known `thread.length_m`
-        double tip_sigma_m = 0.00025;    ///< of measured ends
+        double tip_sigma_m = 0.0003;     ///< of measured ends, what is new in each frame
+        double tip_bias_sigma_m = 0.0011;    ///< of measured ends, each axis: the arm's constant error
         double instrument_sigma_m = 0.0007;  ///< of measured instruments: they are taken for two sigma larger
         int coasting_frames = 30;            ///< unseen for longer: lost
         bool recovery = true;                ///< discrete search after a failed loss test

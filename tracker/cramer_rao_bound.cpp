@@ -57,7 +57,6 @@ Bound cramer_rao_bound(const scenes::Polyline& truth_C, const scenes::StereoRig&
     const CurvePriors priors{.stretch_sigma = options.stretch_sigma,
                              .curvature_sigma_per_m = 1e4,
                              .curvature_change_sigma_per_m2 = 1e8,
-                             .tip_sigma_m = options.tip_sigma_m,
                              .motion_sigma_m = 1.0};
     CurveRefinement fit(K, kSamples, priors, rig);
     const NurbsCurve curve = fit_curve(truth_C, {.control_points = K, .length_weight = 0.3});
@@ -68,7 +67,8 @@ Bound cramer_rao_bound(const scenes::Polyline& truth_C, const scenes::StereoRig&
     problem.expected = Q;
     problem.length_m = truth_C.length_m();
     problem.length_sigma_m = options.length_sigma_m;
-    problem.tips = {MeasuredTip{Q.col(0)}, MeasuredTip{Q.col(K - 1)}};
+    problem.ends = {end_prior({Q.col(0)}, options.tip_sigma_m),
+                    end_prior({Q.col(K - 1)}, options.tip_sigma_m)};
     const OcclusionMask left(instruments_C, Eigen::Vector3d::Zero(), 0.0, 0.0);
     const OcclusionMask right(instruments_C, rig.X_RC.inverse().translation(), 0.0, 0.0);
     measure_ideally(fit, Q, rig, 0, left, options, problem.lines[0]);

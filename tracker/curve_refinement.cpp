@@ -1,5 +1,6 @@
 #include "tracker/curve_refinement.hpp"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 
 namespace atropos::tracker {
@@ -18,6 +19,11 @@ Block by_control_points(const std::array<double, 4>& weights, const Eigen::RowVe
 constexpr double kFixedTipSigma_m = 0.00005;
 
 }  // namespace
+
+EndPrior end_prior(const MeasuredTip& tip, double held_sigma_m) {
+    const double sigma = tip.kind == MeasuredTip::Kind::kFixed ? kFixedTipSigma_m : held_sigma_m;
+    return {tip.p_C, 1.0 / (sigma * sigma) * Eigen::Matrix3d::Identity(), 0.0};
+}
 
 CurveRefinement::CurveRefinement(int control_points, int samples, const CurvePriors& priors,
                                  const scenes::StereoRig& rig)
@@ -125,22 +131,31 @@ double CurveRefinement::add_point(int k, const Eigen::Vector3d& error, double we
     return 0.5 * weight * error.squaredNorm();
 }
 
+double CurveRefinement::add_end(int k, const EndPrior& prior, const Eigen::Matrix3Xd& Q,
+                                bool normal_equations) {
+    const Eigen::Vector3d error = Q.col(k) - prior.p_C;
+    const double squared = error.dot(prior.information * error);
+    const double c2 = prior.robust_sigmas * prior.robust_sigmas;
+    if (normal_equations) {
+        const double weight = c2 > 0.0 ? 1.0 / (1.0 + squared / c2) : 1.0;
+        const Eigen::Matrix3d rows = prior.information.llt().matrixU();
+        const Eigen::Vector3d r = rows * error;
+        const int first = std::min(k, basis_.count() - 4);
+        for (int i = 0; i < 3; ++i) {
+            Block J = Block::Zero();
+            J.segment<3>(3 * (k - first)) = rows.row(i).transpose();
+            system_.add(first, J, 0.0, r[i], weight);
+        }
+    }
+    return c2 > 0.0 ? 0.5 * c2 * std::log1p(squared / c2) : 0.5 * squared;
+}
+
 double CurveRefinement::add_points(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
                                    bool normal_equations) {
     double cost = 0.0;
-    for (std::size_t end = 0; end < 2; ++end) {
-        if (!problem.tips[end]) continue;
-        const int k = end == 0 ? 0 : basis_.count() - 1;
-        const Eigen::Vector3d error = Q.col(k) - problem.tips[end]->p_C;
-        if (problem.tips[end]->kind == MeasuredTip::Kind::kFixed) {
-            cost += add_point(k, error, 1.0 / (kFixedTipSigma_m * kFixedTipSigma_m), normal_equations);
-            continue;
-        }
-        const double c2 = priors_.tip_robust_m * priors_.tip_robust_m;
-        const double inverse_variance = 1.0 / (priors_.tip_sigma_m * priors_.tip_sigma_m);
-        add_point(k, error, inverse_variance / (1.0 + error.squaredNorm() / c2), normal_equations);
-        cost += 0.5 * c2 * inverse_variance * std::log1p(error.squaredNorm() / c2);
-    }
+    for (std::size_t end = 0; end < 2; ++end)
+        if (problem.ends[end])
+            cost += add_end(end == 0 ? 0 : basis_.count() - 1, *problem.ends[end], Q, normal_equations);
     const double weight = 1.0 / (priors_.motion_sigma_m * priors_.motion_sigma_m);
     for (int k = 0; k < basis_.count(); ++k)
         cost += add_point(k, Q.col(k) - problem.expected.col(k), weight, normal_equations);

@@ -28,10 +28,20 @@ struct LineMeasurement {
     double depth_levels = 0.0;
 };
 
+/// What is known of an end of the curve beforehand.
+struct EndPrior {
+    Eigen::Vector3d p_C = Eigen::Vector3d::Zero();              ///< m
+    Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  ///< inverse covariance
+    double robust_sigmas = 0.0;                                 ///< Cauchy's scale; 0: none
+};
+
+/// An end known equally well in all directions; ends that do not move are known to 0.05 mm.
+EndPrior end_prior(const MeasuredTip& tip, double held_sigma_m);
+
 /// What the curve of one frame is fitted to.
 struct CurveProblem {
     std::array<std::vector<LineMeasurement>, 2> lines;  ///< of each eye, one a sample
-    std::array<std::optional<MeasuredTip>, 2> tips;
+    std::array<std::optional<EndPrior>, 2> ends;
     double length_m = 0.0;  ///< expected, with its sigma
     double length_sigma_m = 0.0;
     double robust_px = 0.5;     ///< Cauchy's scale of the line residuals
@@ -44,8 +54,6 @@ struct CurvePriors {
     double stretch_sigma = 0.007;                   ///< |C'(u)| / length - 1 at each sample
     double curvature_sigma_per_m = 30.0;            ///< of C''/length^2 at each of 14 knots
     double curvature_change_sigma_per_m2 = 4000.0;  ///< of C'''/length^3 in each of 13 spans
-    double tip_sigma_m = 0.001;                     ///< of held ends; fixed ends: 0.05 mm
-    double tip_robust_m = 0.00075;                  ///< Cauchy's scale of held ends
     double motion_sigma_m = 0.020;                  ///< of control points about the motion's prediction
 };
 
@@ -74,6 +82,7 @@ class CurveRefinement {
                       bool normal_equations);
     double add_bending(const Eigen::Matrix3Xd& Q, double length_m, bool normal_equations);
     double add_points(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, bool normal_equations);
+    double add_end(int k, const EndPrior& prior, const Eigen::Matrix3Xd& Q, bool normal_equations);
     double add_point(int k, const Eigen::Vector3d& error, double weight, bool normal_equations);
 
     CurvePriors priors_;

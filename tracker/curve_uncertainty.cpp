@@ -35,6 +35,7 @@ void sample_with_uncertainty(const CubicBasis& basis, const Eigen::Matrix3Xd& Q,
                        covariance.block<3, 3>(3 * (place.first + a), 3 * (place.first + b));
         // The offset to the nearest point of the true curve has no part along the tangent.
         const Eigen::Vector3d tangent = place.tangent(Q).normalized();
+        sample.sigma_along_m = std::sqrt(std::max(tangent.dot(cov * tangent), 0.0));
         const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - tangent * tangent.transpose();
         const Eigen::Matrix3d offset = across * cov * across;
         const Eigen::Vector3d ray = sample.p_C.normalized();

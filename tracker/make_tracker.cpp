@@ -84,6 +84,7 @@ void validate(const scenes::TrackerConfig& config) {
     require_range("refined.blur_px", config.refined.blur_px, 0.1, 10.0);
     require_range("refined.length_sigma_m", config.refined.length_sigma_m, 1e-6, 1.0);
     require_range("refined.tip_sigma_m", config.refined.tip_sigma_m, 1e-6, 1.0);
+    require_range("refined.tip_bias_sigma_m", config.refined.tip_bias_sigma_m, 0.0, 1.0);
     require_range("refined.instrument_sigma_m", config.refined.instrument_sigma_m, 0.0, 0.1);
     require_range("refined.coasting_frames", config.refined.coasting_frames, 0, 100000);
 }

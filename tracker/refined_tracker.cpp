@@ -1,5 +1,6 @@
 #include "tracker/refined_tracker.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -17,6 +18,12 @@ constexpr double kBehind_m = 0.003;
 constexpr double kLeastSigma_px =
     0.03;  ///< texture under the thread, lens model: what noise does not explain
 
+constexpr double kEndRobustSigmas = 6.0;
+
+EndBelief::Options belief_options(const scenes::TrackerConfig& config) {
+    return {.bias_sigma_m = config.refined.tip_bias_sigma_m, .jitter_sigma_m = config.refined.tip_sigma_m};
+}
+
 double elapsed_ms(std::chrono::steady_clock::time_point since) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
 }
@@ -24,7 +31,7 @@ double elapsed_ms(std::chrono::steady_clock::time_point since) {
 }  // namespace
 
 RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig)
-    : RefinedTracker(config, rig, CurvePriors{.tip_sigma_m = config.refined.tip_sigma_m}) {}
+    : RefinedTracker(config, rig, CurvePriors{}) {}
 
 RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig,
                                const CurvePriors& priors)
@@ -37,7 +44,9 @@ RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes
                .blur_px = config.refined.blur_px,
                .taps = 5,
                .tap_step_px = std::max(1.0, scale_)}),
-      recovery_(config, rig) {
+      recovery_(config, rig),
+      grip_sight_(rig, filter_.options(), config.thread.width_m),
+      ends_{EndBelief(belief_options(config)), EndBelief(belief_options(config))} {
     validate(config);
     const std::size_t samples = static_cast<std::size_t>(config.refined.samples);
     const int K = config.refined.control_points;
@@ -61,6 +70,7 @@ RefinedTracker::~RefinedTracker() = default;
 
 const TrackResult& RefinedTracker::start(const StereoFrame& frame, const NurbsCurve& initial) {
     check_frame(frame, rig_);
+    for (EndBelief& end : ends_) end.reset();
     begin(initial);
     return track(frame);
 }
@@ -74,7 +84,7 @@ void RefinedTracker::begin(const NurbsCurve& initial) {
     velocity_m_s_.setZero();
     last_tips_C_ = {};
     for (auto& depths : expected_depth_levels_) std::fill(depths.begin(), depths.end(), 0.0);
-    started_ = true;
+    started_ = confirmed_ = true;
     status_ = scenes::TrackStatus::kTracking;
     frames_unseen_ = 0;
     capture_time_s_ = -1.0;
@@ -94,18 +104,77 @@ void RefinedTracker::predict(const StereoFrame& frame) {
         problem_.expected.col(k) = fit_.Q.col(k) + (1.0 - u) * moved[0] + u * moved[1] +
                                    kVelocityDamping * dt * velocity_m_s_.col(k);
     }
-    problem_.tips = frame.tips;
+    for (EndBelief& end : ends_) end.wait(dt);
+    place_instruments(frame);
+    expect_ends(frame);
     problem_.length_m = expected_length_m_;
     problem_.length_sigma_m = expected_length_sigma_m_;
 }
 
-void RefinedTracker::measure_eye(const StereoFrame& frame, const Fit& fit, std::size_t eye,
-                                 const Round& round) {
+// An instrument that holds an end is wrong by as much as the end.
+void RefinedTracker::place_instruments(const StereoFrame& frame) {
+    instruments_C_ = frame.instruments;
+    for (std::size_t end = 0; end < 2; ++end) {
+        if (!frame.tips[end] || frame.tips[end]->kind == MeasuredTip::Kind::kFixed) continue;
+        for (std::size_t i = 0; i < instruments_C_.size(); ++i) {
+            if (scenes::clearance_m(frame.instruments[i], frame.tips[end]->p_C) > GripSight::kSameArm_m)
+                continue;
+            instruments_C_[i].a += ends_[end].bias_C();
+            instruments_C_[i].b += ends_[end].bias_C();
+        }
+    }
+}
+
+// The measured ends without what their arms are known to be off by.
+void RefinedTracker::expect_ends(const StereoFrame& frame) {
+    for (std::size_t end = 0; end < 2; ++end) {
+        grips_[end].reset();
+        problem_.ends[end].reset();
+        if (!frame.tips[end]) continue;
+        if (frame.tips[end]->kind == MeasuredTip::Kind::kFixed) {
+            problem_.ends[end] = end_prior(*frame.tips[end], 0.0);
+            continue;
+        }
+        expected_ends_[end] = ends_[end].expected(frame.tips[end]->p_C);
+        problem_.ends[end] =
+            EndPrior{expected_ends_[end].p_C, expected_ends_[end].covariance.inverse(), kEndRobustSigmas};
+    }
+}
+
+// Where along the thread the jaws are, as the images show it, joins what is expected of the ends.
+void RefinedTracker::look_at_grips(const StereoFrame& frame, const Fit& fit) {
+    expect_ends(frame);
+    for (std::size_t end = 0; end < 2; ++end) {
+        if (!frame.tips[end] || frame.tips[end]->kind == MeasuredTip::Kind::kFixed) continue;
+        const int k = end == 0 ? 0 : config_.refined.control_points - 1;
+        const Eigen::Vector3d outwards = (fit.Q.col(k) - fit.Q.col(end == 0 ? 1 : k - 1)).normalized();
+        const UncertainPoint& expected = expected_ends_[end];
+        GripQuery query;
+        query.end = end;
+        query.measured_C = frame.tips[end]->p_C;
+        query.instruments_C = frame.instruments;
+        query.expected_m = outwards.dot(expected.p_C - fit.Q.col(k));
+        query.sigma_m = std::sqrt(outwards.dot(expected.covariance * outwards));
+        query.excess_m = ends_[end].excess_m();
+        query.excess_variance_m2 = ends_[end].excess_variance_m2();
+        grips_[end] = grip_sight_.look(images_, refinement_.basis(), fit.Q, fit.length_m, query);
+        if (!grips_[end]) continue;
+        EndPrior& prior = *problem_.ends[end];
+        const Eigen::Vector3d seen_C = fit.Q.col(k) + grips_[end]->offset_m * outwards;
+        const Eigen::Matrix3d along =
+            outwards * outwards.transpose() / (grips_[end]->sigma_m * grips_[end]->sigma_m);
+        const Eigen::Matrix3d both = prior.information + along;
+        prior.p_C = both.inverse() * (prior.information * prior.p_C + along * seen_C);
+        prior.information = both;
+    }
+}
+
+void RefinedTracker::measure_eye(const Fit& fit, std::size_t eye, const Round& round) {
     const double search_px = round.search_px * scale_;
     const scenes::Camera& camera = eye == 0 ? rig_.left : rig_.right;
     const Eigen::Vector3d eye_C =
         eye == 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(rig_.X_RC.inverse().translation());
-    const OcclusionMask mask(frame.instruments, eye_C, 2.0 * config_.refined.instrument_sigma_m, kBehind_m);
+    const OcclusionMask mask(instruments_C_, eye_C, 2.0 * config_.refined.instrument_sigma_m, kBehind_m);
     const std::vector<CubicBasisValues>& samples = refinement_.samples();
     std::vector<LineMeasurement>& measured = problem_.lines[eye];
     for (std::size_t j = 0; j < samples.size(); ++j) {
@@ -192,8 +261,8 @@ void RefinedTracker::localise(std::size_t eye) {
             m.sigma_px = std::hypot(m.sigma_px * *middle, kLeastSigma_px);
 }
 
-void RefinedTracker::measure(const StereoFrame& frame, const Fit& fit, const Round& round) {
-    for (std::size_t eye = 0; eye < 2; ++eye) measure_eye(frame, fit, eye, round);
+void RefinedTracker::measure(const Fit& fit, const Round& round) {
+    for (std::size_t eye = 0; eye < 2; ++eye) measure_eye(fit, eye, round);
 }
 
 void RefinedTracker::refine(const StereoFrame& frame, double first_search_px, Fit& fit) {
@@ -201,8 +270,10 @@ void RefinedTracker::refine(const StereoFrame& frame, double first_search_px, Fi
                             {0.6 * config_.refined.search_px, 1.0, 2, 0.8, false},
                             {0.33 * config_.refined.search_px, 0.5, 2, 0.5, false},
                             {0.25 * config_.refined.search_px, 0.5, 2, 0.3, true}};
+    expect_ends(frame);
     for (const Round& round : rounds) {
-        measure(frame, fit, round);
+        if (round.closely) look_at_grips(frame, fit);
+        measure(fit, round);
         problem_.robust_px = round.robust_px * scale_;
         refinement_.refine(problem_, round.iterations, fit.Q, fit.length_m);
     }
@@ -224,6 +295,9 @@ const TrackResult& RefinedTracker::track(const StereoFrame& frame) {
     refine(frame, config_.refined.search_px, fit_);
     timings_.refinement_ms = elapsed_ms(began);
     if (is_lost(fit_.quality, loss_test_) && config_.refined.recovery) recover(frame);
+
+    if (!confirmed_ && is_lost(fit_.quality, loss_test_)) return lost(frame);
+    confirmed_ = true;
 
     const double dt = capture_time_s_ < 0.0 ? 0.0 : frame.capture_time_s - capture_time_s_;
     if (dt > 0.0) velocity_m_s_ = kVelocityDamping * velocity_m_s_ + (fit_.Q - expected_) / dt;
@@ -274,8 +348,10 @@ void RefinedTracker::recover(const StereoFrame& frame) {
 
 bool RefinedTracker::start_from_tips(const StereoFrame& frame) {
     const auto found = recovery_.between_tips(frame);
-    if (found) begin(*found);
-    return found.has_value();
+    if (!found) return false;
+    begin(*found);
+    confirmed_ = false;  // what the images do not bear out was never found
+    return true;
 }
 
 // The contrast of each part of the thread, so that something else is known as such.
@@ -307,10 +383,22 @@ void RefinedTracker::conclude(const StereoFrame& frame) {
     fill_estimate(frame);
 }
 
+// What the images say of the arms' constant errors.
+void RefinedTracker::learn_ends(const StereoFrame& frame) {
+    for (std::size_t end = 0; end < 2; ++end) {
+        if (!frame.tips[end] || frame.tips[end]->kind == MeasuredTip::Kind::kFixed) continue;
+        const int k = end == 0 ? 0 : config_.refined.control_points - 1;
+        ends_[end].learn(frame.tips[end]->p_C, {fit_.Q.col(k), covariance_.block<3, 3>(3 * k, 3 * k)});
+        if (grips_[end] && grips_[end]->excess_m)
+            ends_[end].learn_excess(*grips_[end]->excess_m, grips_[end]->excess_sigma_m);
+    }
+}
+
 void RefinedTracker::fill_estimate(const StereoFrame& frame) {
     double length_variance = 0.0;
     const bool determined =
         refinement_.covariance(problem_, fit_.Q, fit_.length_m, covariance_, length_variance);
+    if (determined && status_ == scenes::TrackStatus::kTracking) learn_ends(frame);
     if (config_.thread.length_m <= 0.0 && determined && status_ == scenes::TrackStatus::kTracking) {
         expected_length_m_ = fit_.length_m;
         expected_length_sigma_m_ = std::max(std::sqrt(length_variance + 4e-10), 0.004 * fit_.length_m);
@@ -345,8 +433,8 @@ void RefinedTracker::show(std::string_view stage, const Eigen::Matrix3Xd& Q) {
     observer_->curve(stage, points);
 }
 
-// method_state: length and its sigma, velocities, the last measured ends (flag and position), expected
-// depths.
+// method_state: length and its sigma, velocities, the last measured ends (flag and position) and what is
+// believed of them, expected depths.
 TrackerState RefinedTracker::state() const {
     TrackerState state;
     state.started = started_;
@@ -362,6 +450,10 @@ TrackerState RefinedTracker::state() const {
         const Eigen::Vector3d p_C = tip.value_or(Eigen::Vector3d::Zero());
         out.insert(out.end(), {tip ? 1.0 : 0.0, p_C.x(), p_C.y(), p_C.z()});
     }
+    for (const EndBelief& end : ends_) {
+        out.resize(out.size() + EndBelief::kStateSize);
+        end.save(out.data() + out.size() - EndBelief::kStateSize);
+    }
     for (const auto& depths : expected_depth_levels_) out.insert(out.end(), depths.begin(), depths.end());
     return state;
 }
@@ -369,12 +461,12 @@ TrackerState RefinedTracker::state() const {
 void RefinedTracker::restore(const TrackerState& state) {
     const std::size_t K = static_cast<std::size_t>(config_.refined.control_points);
     const std::size_t samples = static_cast<std::size_t>(config_.refined.samples);
-    if (state.started &&
-        (state.control_points.size() != K || state.method_state.size() != 10 + 3 * K + 2 * samples))
+    if (state.started && (state.control_points.size() != K ||
+                          state.method_state.size() != 10 + 3 * K + 2 * EndBelief::kStateSize + 2 * samples))
         throw std::invalid_argument("a state of " + std::to_string(state.control_points.size()) +
                                     " control points, expected one of this tracker with " +
                                     std::to_string(K));
-    started_ = state.started;
+    started_ = confirmed_ = state.started;
     status_ = state.status;
     frames_unseen_ = state.frames_unseen;
     capture_time_s_ = state.capture_time_s;
@@ -389,6 +481,10 @@ void RefinedTracker::restore(const TrackerState& state) {
         tip.reset();
         if (in[0] != 0.0) tip = Eigen::Vector3d(in[1], in[2], in[3]);
         in += 4;
+    }
+    for (EndBelief& end : ends_) {
+        end.load(&*in);
+        in += EndBelief::kStateSize;
     }
     for (auto& depths : expected_depth_levels_) {
         std::copy_n(in, depths.size(), depths.begin());

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "tracker/curve_refinement.hpp"
+#include "tracker/end_belief.hpp"
+#include "tracker/grip_sight.hpp"
 #include "tracker/loss_test.hpp"
 #include "tracker/recovery.hpp"
 #include "tracker/stereo_tracker.hpp"
@@ -56,8 +58,12 @@ class RefinedTracker final : public StereoTracker {
     NurbsCurve curve_of(const Eigen::Matrix3Xd& Q) const;
     void predict(const StereoFrame& frame);
     void refine(const StereoFrame& frame, double first_search_px, Fit& fit);
-    void measure(const StereoFrame& frame, const Fit& fit, const Round& round);
-    void measure_eye(const StereoFrame& frame, const Fit& fit, std::size_t eye, const Round& round);
+    void place_instruments(const StereoFrame& frame);
+    void expect_ends(const StereoFrame& frame);
+    void look_at_grips(const StereoFrame& frame, const Fit& fit);
+    void learn_ends(const StereoFrame& frame);
+    void measure(const Fit& fit, const Round& round);
+    void measure_eye(const Fit& fit, std::size_t eye, const Round& round);
     void localise(std::size_t eye);
     void recover(const StereoFrame& frame);
     bool start_from_tips(const StereoFrame& frame);
@@ -76,9 +82,11 @@ class RefinedTracker final : public StereoTracker {
     ValleyAssociation association_;
     LossTestOptions loss_test_;
     Recovery recovery_;
+    GripSight grip_sight_;
 
     // What passes from frame to frame.
     bool started_ = false;
+    bool confirmed_ = false;  ///< a curve between measured ends that the images bear out
     scenes::TrackStatus status_ = scenes::TrackStatus::kLost;
     int frames_unseen_ = 0;
     double capture_time_s_ = 0.0;
@@ -88,6 +96,7 @@ class RefinedTracker final : public StereoTracker {
     double expected_length_sigma_m_ = 0.0;
     std::array<std::optional<Eigen::Vector3d>, 2> last_tips_C_;
     std::array<std::vector<double>, 2> expected_depth_levels_;
+    std::array<EndBelief, 2> ends_;
 
     // Working memory of one frame.
     Eigen::Matrix3Xd expected_;
@@ -95,6 +104,9 @@ class RefinedTracker final : public StereoTracker {
     Fit trial_;
     Fit other_;
     CurveProblem chosen_problem_;
+    std::vector<scenes::Capsule> instruments_C_;
+    std::array<UncertainPoint, 2> expected_ends_;
+    std::array<std::optional<GripSighting>, 2> grips_;
     std::array<ImageView, 2> images_;
     std::array<cv::Mat, 2> buffers_;
     std::vector<ValleyCandidates> candidates_;

@@ -29,6 +29,8 @@ class ValleyFilter {
 
     explicit ValleyFilter(const ValleyFilterOptions& options) : options_(options) {}
 
+    const ValleyFilterOptions& options() const { return options_; }
+
     /// Up to kMaxValleys deepest valleys within `search_px` of the line's point, written to `valleys`;
     /// `width_px` is the thread's expected width. Returns their number; 0 also where the image ends.
     /// `threshold_share` of the options' threshold applies.

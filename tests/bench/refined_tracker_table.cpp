@@ -28,6 +28,7 @@ struct Case {
     SyntheticSequenceOptions options;
     int control_points = 16;
     double mask_error_m = 0.0;  ///< of the instruments' measured poses
+    bool from_tips = false;     ///< begins between the measured ends, as the closed loop does
 };
 
 std::vector<Case> cases() {
@@ -56,6 +57,13 @@ std::vector<Case> cases() {
         c.options.arc_tilt_rad = std::numbers::pi / 2.0;
     });
     add("tips", [](Case& c) { c.options.tip_error_m = 0.003; });
+    add("grips", [](Case& c) {
+        c.options.jaws = true;
+        c.options.tail_m = 0.004;
+        c.options.tip_error_m = 0.003;
+        c.options.tip_jitter_m = 0.0003;
+        c.from_tips = true;
+    });
     add("occluded", [](Case& c) {
         c.options.occlusion_begin = 60;
         c.mask_error_m = 0.0015;
@@ -99,7 +107,7 @@ struct Variant {
 
 std::vector<Variant> variants(bool all) {
     const scenes::TrackerConfig::Refined refined;
-    const tracker::CurvePriors priors{.tip_sigma_m = refined.tip_sigma_m};
+    const tracker::CurvePriors priors;
     std::vector<Variant> list{{"", priors, refined}};
     if (!all) return list;
     const auto add = [&](const std::string& name, auto&& change) {
@@ -120,8 +128,9 @@ std::vector<Variant> variants(bool all) {
         v.priors.curvature_sigma_per_m *= 0.5;
     });
     add("motion 3 mm", [](Variant& v) { v.priors.motion_sigma_m = 0.003; });
-    add("tips 0.1 mm", [](Variant& v) { v.priors.tip_sigma_m = 0.0001; });
-    add("tips 1 mm", [](Variant& v) { v.priors.tip_sigma_m = 0.001; });
+    add("tips 0.1 mm", [](Variant& v) { v.refined.tip_sigma_m = 0.0001; });
+    add("no tip bias", [](Variant& v) { v.refined.tip_bias_sigma_m = 0.0; });
+    add("tips 1 mm", [](Variant& v) { v.refined.tip_sigma_m = 0.001; });
     add("K 12", [](Variant& v) { v.refined.control_points = 12; });
     add("K 20", [](Variant& v) { v.refined.control_points = 20; });
     add("no recovery", [](Variant& v) { v.refined.recovery = false; });
@@ -132,7 +141,7 @@ std::vector<Variant> variants(bool all) {
 
 struct Row {
     Tally error_mm, error_px, middle_mm, frame_ms, sigma_depth_mm, sigma_lateral_mm;
-    Tally depth_ratio, lateral_ratio;  ///< offset over its sigma
+    Tally depth_ratio, lateral_ratio, along_ratio, sigma_along_mm;  ///< offset over its sigma
     Tally bad_confidence, good_confidence;
     int frames = 0, failures = 0, events = 0, silent = 0, lost = 0, coasting = 0;
 };
@@ -190,10 +199,11 @@ void run(const Case& c, std::uint64_t seed, int frames, const std::vector<Varian
             tracker::RefinedTracker& tracker = *trackers[v];
             const double began_s = cpu_time_s();
             const tracker::TrackResult& result =
-                i == 0 ? tracker.start(
-                             frame, tracker::fit_curve(drawn.truth_C, {.control_points = spline ? 8 : 16,
+                i == 0 && !c.from_tips
+                    ? tracker.start(frame,
+                                    tracker::fit_curve(drawn.truth_C, {.control_points = spline ? 8 : 16,
                                                                        .length_weight = spline ? 0.0 : 0.3}))
-                       : tracker.track(frame);
+                    : tracker.track(frame);
             rows[v].frame_ms.add(1e3 * (cpu_time_s() - began_s));
             bool bad = failed[v] != 0;
             score(c, drawn, tracker, result.estimate, bad, rows[v]);
@@ -231,7 +241,14 @@ void score(const Case& c, const support::SyntheticFrame& drawn, const tracker::R
         }
         double mm = 0.0, px = 0.0;
         const double n = static_cast<double>(estimate.samples.size());
-        for (const scenes::ThreadSample& sample : estimate.samples) {
+        const Polyline even = drawn.truth_C.resampled(static_cast<int>(estimate.samples.size()));
+        for (std::size_t i = 0; i < estimate.samples.size(); ++i) {
+            const scenes::ThreadSample& sample = estimate.samples[i];
+            const Eigen::Vector3d tangent = (even.points[std::min(i + 1, even.points.size() - 1)] -
+                                             even.points[std::max<std::size_t>(i, 1) - 1])
+                                                .normalized();
+            row.along_ratio.add(std::abs(tangent.dot(sample.p_C - even.points[i])) / sample.sigma_along_m);
+            row.sigma_along_mm.add(1e3 * sample.sigma_along_m);
             const Polyline::Nearest nearest = drawn.truth_C.nearest(sample.p_C);
             mm += 1e3 * nearest.distance_m / n;
             px += 0.5 / n *
@@ -285,7 +302,7 @@ int main_of(int argc, char** argv) {
     }
     std::printf(
         "case      frames  3D mm  p95    2D px  mid mm p95    fail%% events lost coast silent "
-        "sd mm cov1/2 depth   sl mm  cov1/2 lateral  ms   p99\n");
+        "sd mm cov1/2 depth   sl mm  cov1/2 lateral  sa mm cov1/2 along  ms   p99\n");
     for (const Case& c : cases()) {
         if (!wanted.empty() && c.name.rfind(wanted, 0) != 0) continue;
         const std::vector<Variant> list = variants(ablation);
@@ -296,14 +313,15 @@ int main_of(int argc, char** argv) {
             Row& row = rows[v];
             std::printf(
                 "%-9s %6d %6.3f %6.3f %6.3f %6.3f %6.3f %5.2f %6d %4d %5d %6d %6.3f %4.1f %4.1f  %6.4f %4.1f "
-                "%4.1f  "
+                "%4.1f  %5.3f %4.1f %4.1f  "
                 "%5.2f %5.2f %s\n",
                 c.name.c_str(), row.frames, row.error_mm.mean(), row.error_mm.quantile(0.95),
                 row.error_px.mean(), row.middle_mm.mean(), row.middle_mm.quantile(0.95),
                 100.0 * row.failures / row.frames, row.events, row.lost, row.coasting, row.silent,
                 row.sigma_depth_mm.mean(), share_below(row.depth_ratio, 1.0),
                 share_below(row.depth_ratio, 2.0), row.sigma_lateral_mm.mean(),
-                share_below(row.lateral_ratio, 1.0), share_below(row.lateral_ratio, 2.0), row.frame_ms.mean(),
+                share_below(row.lateral_ratio, 1.0), share_below(row.lateral_ratio, 2.0), row.sigma_along_mm.mean(),
+                share_below(row.along_ratio, 1.0), share_below(row.along_ratio, 2.0), row.frame_ms.mean(),
                 row.frame_ms.quantile(0.99), list[v].name.c_str());
         }
         std::fflush(stdout);

@@ -139,6 +139,10 @@ std::vector<scenes::Capsule> SyntheticSequence::shafts(const scenes::Polyline& t
     std::vector<scenes::Capsule> shafts;
     if (options_.instruments)
         for (int end = 0; end < 2; ++end) {
+            if (options_.jaws) {
+                shafts.push_back(jaw(thread, end));
+                continue;
+            }
             const double L = thread.length_m();
             const Eigen::Vector3d tip = thread.point_at(end == 0 ? 0.0 : L);
             const Eigen::Vector3d inner =
@@ -161,6 +165,43 @@ std::vector<scenes::Capsule> SyntheticSequence::shafts(const scenes::Polyline& t
         shafts.push_back({before - 0.01 * across, before + 0.1 * across, 0.45 * options_.occluded_share * L});
     }
     return shafts;
+}
+
+/// Closed jaws that hold the thread some mm before their tip, and the shaft behind them.
+scenes::Capsule SyntheticSequence::jaw(const scenes::Polyline& thread, int end) const {
+    const double L = thread.length_m();
+    const Eigen::Vector3d grip = thread.point_at(end == 0 ? 0.0 : L);
+    const Eigen::Vector3d outwards = (grip - thread.point_at(end == 0 ? 0.003 : L - 0.003)).normalized();
+    Eigen::Vector3d distal = outwards.cross(Eigen::Vector3d::UnitZ()).normalized();
+    if (distal.y() < 0.0) distal = -distal;
+    distal += (end == 0 ? 0.3 : -0.5) * outwards;
+    distal.z() = 0.3;  // from the camera's side
+    distal.normalize();
+    const Eigen::Vector3d before = grip - 0.0008 * Eigen::Vector3d::UnitZ();
+    return {before + 0.002 * distal, before - 0.15 * distal, 0.0013};
+}
+
+/// The thread goes straight on beyond its grips, sagging a little.
+scenes::Polyline SyntheticSequence::with_tails(const scenes::Polyline& thread) const {
+    if (!(options_.tail_m > 0.0)) return thread;
+    const double L = thread.length_m();
+    const auto tail = [&](double from, double inner) {
+        const Eigen::Vector3d grip = thread.point_at(from);
+        const Eigen::Vector3d outwards = (grip - thread.point_at(inner)).normalized();
+        std::vector<Eigen::Vector3d> points;
+        for (int i = 1; i <= 40; ++i) {
+            const double s = options_.tail_m * i / 40.0;
+            points.push_back(grip + s * outwards + 20.0 * s * s * Eigen::Vector3d::UnitY());
+        }
+        return points;
+    };
+    scenes::Polyline all;
+    all.points = tail(0.0, 0.001);
+    std::reverse(all.points.begin(), all.points.end());
+    all.points.insert(all.points.end(), thread.points.begin(), thread.points.end());
+    const std::vector<Eigen::Vector3d> after = tail(L, L - 0.001);
+    all.points.insert(all.points.end(), after.begin(), after.end());
+    return all;
 }
 
 cv::Mat1b SyntheticSequence::draw(int eye, int index, const scenes::Polyline& thread,
@@ -213,11 +254,29 @@ SyntheticFrame SyntheticSequence::frame(int index) const {
     SyntheticFrame frame;
     frame.time_s = index * options_.acceleration / 30.0;
     frame.truth_C = truth(index);
+    const scenes::Polyline drawn = with_tails(frame.truth_C);
     frame.instruments_C = shafts(frame.truth_C, index);
-    frame.tips_C = {frame.truth_C.points.front() + tip_error_[0],
-                    frame.truth_C.points.back() + tip_error_[1]};
-    frame.left = draw(0, index, frame.truth_C, frame.instruments_C);
-    frame.right = draw(1, index, frame.truth_C, frame.instruments_C);
+    std::vector<scenes::Capsule> seen = frame.instruments_C;
+    if (options_.jaws)
+        for (std::size_t end = 0; end < 2 && options_.instruments; ++end) {
+            const Eigen::Vector3d aside = options_.jaw_excess_m * 0.4 * Eigen::Vector3d::UnitX();
+            seen[end] = {seen[end].a + aside, seen[end].b + aside,
+                         seen[end].radius_m + options_.jaw_excess_m};
+        }
+    frame.left = draw(0, index, drawn, seen);
+    frame.right = draw(1, index, drawn, seen);
+
+    scenes::RandomStream random(scenes::derive_seed(options_.seed, static_cast<std::uint64_t>(index)),
+                                "tip jitter");
+    for (std::size_t end = 0; end < 2; ++end) {
+        const Eigen::Vector3d error =
+            tip_error_[end] +
+            options_.tip_jitter_m * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+        frame.tips_C[end] = (end == 0 ? frame.truth_C.points.front() : frame.truth_C.points.back()) + error;
+        if (!options_.instruments) continue;
+        frame.instruments_C[end].a += error;
+        frame.instruments_C[end].b += error;
+    }
     return frame;
 }
 

@@ -40,8 +40,12 @@ struct SyntheticSequenceOptions {
     bool clutter = true;
     bool instruments = true;  ///< two shafts that hide the last 1.5 mm of each end
     double hidden_end_m = 0.0015;
-    double tip_error_m = 0.0;  ///< measured ends off by up to this much, constant over the sequence
-    int occlusion_begin = -1;  ///< first frame in which a third shaft crosses the thread; -1 = never
+    double tip_error_m = 0.0;      ///< measured ends off by up to this much, constant over the sequence
+    double tip_jitter_m = 0.0;     ///< and by this much (each axis), new in each frame
+    bool jaws = false;             ///< instruments grip across the thread instead of lying along it
+    double tail_m = 0.0;           ///< thread beyond each grip
+    double jaw_excess_m = 0.0003;  ///< jaws are drawn this much wider than their capsules, and lopsided
+    int occlusion_begin = -1;      ///< first frame in which a third shaft crosses the thread; -1 = never
     int occlusion_frames = 30;
     double occluded_share = 0.3;  ///< of the thread's length
 };
@@ -55,7 +59,7 @@ struct SyntheticFrame {
     cv::Mat1b right;
     scenes::Polyline truth_C;                    ///< m
     std::array<Eigen::Vector3d, 2> tips_C;       ///< measured
-    std::vector<scenes::Capsule> instruments_C;  ///< true poses
+    std::vector<scenes::Capsule> instruments_C;  ///< measured: off as the end that they hold
 };
 
 /// The thread alone: a polyline for every frame.
@@ -82,6 +86,8 @@ class SyntheticSequence {
 
   private:
     std::vector<scenes::Capsule> shafts(const scenes::Polyline& thread, int index) const;
+    scenes::Capsule jaw(const scenes::Polyline& thread, int end) const;
+    scenes::Polyline with_tails(const scenes::Polyline& thread) const;
     cv::Mat1b draw(int eye, int index, const scenes::Polyline& thread,
                    const std::vector<scenes::Capsule>& shafts) const;
 
