@@ -60,6 +60,26 @@ TEST(RefinedTracker, follows_a_thread_over_clutter_to_a_fraction_of_a_millimetre
     EXPECT_LT(error_after({.seed = 31, .acceleration = 3}, 12), 0.0004);
 }
 
+TEST(RefinedTracker, finds_the_middle_from_grips_that_are_measured_millimetres_off) {
+    const SyntheticSequenceOptions options{
+        .seed = 101, .tip_error_m = 0.003, .tip_jitter_m = 0.0003, .jaws = true, .tail_m = 0.004};
+    const SyntheticSequence sequence(options);
+    RefinedTracker tracker(config_for(options), options.rig);
+    double error_m = 0.0, tips_m = 0.0;
+    for (int i = 0; i < 24; ++i) {
+        const SyntheticFrame drawn = sequence.frame(i);
+        const TrackResult& result = i == 0 ? tracker.start(frame_of(drawn, i), initial_curve(drawn.truth_C))
+                                           : tracker.track(frame_of(drawn, i));
+        if (i < 12) continue;
+        const std::vector<scenes::ThreadSample>& samples = result.estimate.samples;
+        const Eigen::Vector3d middle = drawn.truth_C.point_at(0.5 * drawn.truth_C.length_m());
+        error_m += (samples[samples.size() / 2].p_C - middle).norm() / 12.0;
+        tips_m += (drawn.tips_C[0] - drawn.truth_C.points.front()).norm() / 12.0;
+    }
+    EXPECT_GT(tips_m, 0.001);
+    EXPECT_LT(error_m, 0.0004);
+}
+
 TEST(RefinedTracker, follows_a_bright_thread) {
     EXPECT_LT(error_after({.seed = 32, .dark = false}, 6), 0.0004);
 }
