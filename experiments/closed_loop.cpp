@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kAfter_s = 0.5;  ///< the run goes on this long after the command has finished
 constexpr int kEstimateSamples = 101;
+// One sigma of a tip's error in each axis without the wrist's play: hand-eye and the first three joints.
+constexpr double kCalibratedShift_m = 0.0008, kUncalibratedShift_m = 0.0022;
 
 /// An estimate that claims to be sure of a curve in C: for the null controllers.
 ThreadEstimate certain(const scenes::Polyline& curve_C, double time_s) {
@@ -38,15 +40,19 @@ robot::ScissorsOptions scissors_options(const scenes::SceneConfig& scene) {
     options.place.fraction = scene.cut.fraction;
     options.tolerance_m = scene.cut.tolerance_m;
     options.max_attempts = scene.cut.max_attempts;
+    // RMS of the blade point in C before images help (docs/arms.md).
     switch (scene.arms.accuracy) {
         case scenes::ArmAccuracy::kPerfect:
             options.registration_sigma_m = 1e-5;
             break;
-        case scenes::ArmAccuracy::kUncalibrated:
-            options.registration_sigma_m = 0.004;
-            break;
         case scenes::ArmAccuracy::kCalibrated:
+            options.registration_sigma_m = 0.0031;
+            break;
         case scenes::ArmAccuracy::kAsRecorded:
+            options.registration_sigma_m = 0.0038;
+            break;
+        case scenes::ArmAccuracy::kUncalibrated:
+            options.registration_sigma_m = 0.0047;
             break;
     }
     options.p_CR = scenes::scene_rig(scene.camera).X_RC.inverse().translation();
@@ -62,10 +68,15 @@ ClosedLoop::ClosedLoop(const scenes::SceneConfig& scene, const TrackerMaker& mak
     robot::ScissorsOptions options = scissors_options(scene_);
     for (int end : {0, 1}) options.X_TG[static_cast<size_t>(end)] = testbed_.arm(end).psm().tool().X_TG;
     robot::RobotArm& arm = testbed_.arm(kScissorsArm);
-    for (int i = 0; i < kArms; ++i)
-        sights_.emplace_back(
-            testbed_.rig(), scene_.tracking.tracker.thread.channel,
-            scene_.arms.accuracy == scenes::ArmAccuracy::kPerfect ? 0.0 : options.registration_sigma_m);
+    if (scene_.arms.accuracy != scenes::ArmAccuracy::kPerfect) {
+        const SightPrior prior{scene_.arms.accuracy == scenes::ArmAccuracy::kUncalibrated
+                                   ? kUncalibratedShift_m
+                                   : kCalibratedShift_m,
+                               robot::Imperfection::of(scene_.arms.accuracy).play};
+        std::vector<InstrumentSight> sights;
+        for (int i = 0; i < kArms; ++i) sights.emplace_back(endoscope_.instrument(i), prior);
+        sights_ = std::make_unique<InstrumentSights>(testbed_.rig(), std::move(sights));
+    }
     command_ = std::make_unique<robot::ScissorsCommand>(options, arm.controller(), arm.X_CB());
 }
 
@@ -81,14 +92,10 @@ tracker::StereoFrame ClosedLoop::tracker_frame(int frame, const View& view) {
     f.capture_time_s = testbed_.time_s();
     f.left = view.left;
     f.right = view.right;
-    for (int arm = 0; arm < kArms; ++arm) {
-        const auto capsules = testbed_.arm(arm).measured_capsules_C();
-        f.instruments.insert(f.instruments.end(), capsules.value.begin(), capsules.value.end());
-    }
     look_at_instruments(f);
     if (scene_.tracking.tips == scenes::TipSource::kNone) return f;
     for (int end : {0, 1}) {
-        const Vector3d seen = testbed_.measured_grip_C(end) + sights_[static_cast<size_t>(end)].offset_C_m();
+        const Vector3d seen = seen_grip_C(end);
         const bool exact = scene_.tracking.tips == scenes::TipSource::kExact;
         f.tips[static_cast<size_t>(end)] =
             tracker::MeasuredTip{exact ? testbed_.true_grip_C(end) : seen, tracker::MeasuredTip::Kind::kHeld};
@@ -96,25 +103,23 @@ tracker::StereoFrame ClosedLoop::tracker_frame(int frame, const View& view) {
     return f;
 }
 
-/// Finds each instrument in the images, and moves its capsules to where it is seen.
+/// Finds each instrument in the images; the tracker gets them where they are seen.
 void ClosedLoop::look_at_instruments(tracker::StereoFrame& frame) {
-    std::vector<scenes::Capsule> corrected;
-    for (int arm = 0; arm < kArms; ++arm) {
-        std::vector<scenes::Capsule> others;
-        for (int other = 0; other < kArms; ++other) {
-            if (other == arm) continue;
-            const auto capsules = testbed_.arm(other).measured_capsules_C();
-            others.insert(others.end(), capsules.value.begin(), capsules.value.end());
-        }
-        InstrumentSight& sight = sights_[static_cast<size_t>(arm)];
-        sight.look(frame, testbed_.arm(arm), others);
-        for (scenes::Capsule capsule : testbed_.arm(arm).measured_capsules_C().value) {
-            capsule.a += sight.offset_C_m();
-            capsule.b += sight.offset_C_m();
-            corrected.push_back(capsule);
-        }
+    if (sights_) {
+        std::vector<const robot::RobotArm*> arms;
+        for (int arm = 0; arm < kArms; ++arm) arms.push_back(&testbed_.arm(arm));
+        sights_->look(frame.left, frame.right, arms);
     }
-    frame.instruments = corrected;
+    for (int arm = 0; arm < kArms; ++arm) {
+        const auto capsules =
+            sights_ ? (*sights_)[arm].capsules_C() : testbed_.arm(arm).measured_capsules_C().value;
+        frame.instruments.insert(frame.instruments.end(), capsules.begin(), capsules.end());
+    }
+}
+
+Vector3d ClosedLoop::seen_grip_C(int end) const {
+    if (!sights_) return testbed_.measured_grip_C(end);
+    return (*sights_)[end].X_CT() * testbed_.arm(end).psm().tool().X_TG.translation();
 }
 
 std::optional<robot::CutCheck> ClosedLoop::check_cut(const tracker::StereoFrame& frame) {
@@ -181,7 +186,11 @@ void ClosedLoop::look(int frame, const Observer& observer) {
         tracked = &tracker_->track(f);
         if (command_->status().close_time_s < 0.0) before_close_ = tracked->estimate;
         Pending pending{now + scene_.tracking.latency_s, delivered(tracked->estimate), {}, check_cut(f)};
-        for (size_t arm = 0; arm < kArms; ++arm) pending.offsets[arm] = sights_[arm].seen();
+        for (int arm = 0; arm < kArms && sights_; ++arm) {
+            const robot::Tool& tool = testbed_.arm(arm).psm().tool();
+            pending.offsets[static_cast<size_t>(arm)] =
+                (*sights_)[arm].offset((tool.X_TS ? *tool.X_TS : tool.X_TG).translation());
+        }
         pending_.push_back(std::move(pending));
     }
     const auto lap = clock_.lap("output");

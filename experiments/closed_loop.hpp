@@ -42,6 +42,7 @@ class ClosedLoop {
 
     const Testbed& testbed() const { return testbed_; }
     const robot::ScissorsStatus& status() const { return command_->status(); }
+    const InstrumentSights* sights() const { return sights_.get(); }  ///< null: the arms are exact
     const tracker::StereoTracker& tracker() const { return *tracker_; }
     const StageClock& clock() const { return clock_; }
     long frames() const;  ///< at most, over the scene's duration
@@ -56,6 +57,7 @@ class ClosedLoop {
     void look(int frame, const Observer& observer);
     tracker::StereoFrame tracker_frame(int frame, const View& view);
     void look_at_instruments(tracker::StereoFrame& frame);
+    Eigen::Vector3d seen_grip_C(int end) const;
     std::optional<robot::CutCheck> check_cut(const tracker::StereoFrame& frame);
     scenes::ThreadEstimate delivered(const scenes::ThreadEstimate& estimate);
     robot::ScissorsInput scissors_input();
@@ -65,7 +67,7 @@ class ClosedLoop {
     EndoscopeView endoscope_;
     std::unique_ptr<tracker::StereoTracker> tracker_;
     std::unique_ptr<robot::ScissorsCommand> command_;
-    std::vector<InstrumentSight> sights_;  ///< one an arm
+    std::unique_ptr<InstrumentSights> sights_;  ///< null: the arms are exact
     std::vector<Pending> pending_;
     std::optional<Pending> arrived_;
     scenes::ThreadEstimate before_close_;  ///< the last estimate before the blades closed

@@ -42,6 +42,11 @@ class EndoscopeView {
     View capture_curve(const Testbed& testbed, const scenes::Polyline& curve_C, int frame);
     std::string description() const { return endoscope_.description(); }
 
+    /// What an arm's instrument is drawn from.
+    const render::InstrumentModel& instrument(int arm) const {
+        return instruments_[static_cast<size_t>(arm)];
+    }
+
   private:
     std::vector<scenes::RenderItem> items(const Testbed& testbed) const;
     void draw(View& view, const Eigen::Isometry3d& X_WC, const std::vector<scenes::RenderItem>& items,

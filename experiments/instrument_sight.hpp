@@ -1,44 +1,103 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <optional>
 #include <vector>
 
-#include "robot/offset_filter.hpp"
+#include "experiments/instrument_colours.hpp"
+#include "experiments/instrument_outline.hpp"
 #include "robot/robot_arm.hpp"
 #include "robot/scissors_input.hpp"
 #include "scenes/stereo_rig.hpp"
-#include "tracker/stereo_tracker.hpp"
 
 namespace atropos::experiments {
 
-/// How far one arm's instrument stands from where its kinematics put it, as the images show it: looked for in
-/// each frame, fused over time. Sees images and measured poses only.
+/// How badly an arm's calibration may be off, one sigma; what the sight begins with and returns to.
+struct SightPrior {
+    double shift_m = 0.0011;  ///< of the whole instrument, each axis of C
+    Eigen::Vector3d play_rad =
+        Eigen::Vector3d::Zero();  ///< half widths of the cables' play: roll, pitch, yaw
+};
+
+/// Where one arm's instrument truly is, as the images show it: a shift of the whole, and what the three wrist
+/// joints are off by because their cables have play. Kalman filter over frames; a measurement is the way from
+/// the predicted outline to the border of what has the instruments' colours. Sees images and measured poses
+/// only.
 class InstrumentSight {
   public:
-    /// `prior_sigma_m`: RMS of the measured tip in C by the arms' calibration; 0: exact arms, nothing is
-    /// looked for.
-    InstrumentSight(const scenes::StereoRig& rig, scenes::ImageChannel channel, double prior_sigma_m);
+    using Parameters = Eigen::Matrix<double, 6, 1>;  ///< shift in C (m), roll, pitch, yaw (rad)
+    using Covariance = Eigen::Matrix<double, 6, 6>;
 
-    /// Looks at `arm` in `frame`, whose `instruments` are those of all arms; `others_C`: those of the other
-    /// arms.
-    void look(const tracker::StereoFrame& frame, const robot::RobotArm& arm,
-              std::span<const scenes::Capsule> others_C);
+    /// What is seen by one eye.
+    struct EyeView {
+        const scenes::Camera* camera;
+        Eigen::Isometry3d X_EC;
+        cv::Mat probability;  ///< of an instrument, CV_32F
+        cv::Mat labels;       ///< 8 bit: number + 1 of the arm predicted there, 0 none
+    };
 
-    /// What the last frame alone showed; nothing when the instrument was not found in it.
-    const std::optional<robot::InstrumentOffset>& seen() const { return seen_; }
+    InstrumentSight(const render::InstrumentModel& model, const SightPrior& prior);
 
-    /// Fused over all frames so far.
-    const Eigen::Vector3d& offset_C_m() const { return filter_.offset_C_m(); }
+    /// Carries the belief on to what `arm` measures now.
+    void predict(const robot::RobotArm& arm);
+
+    /// Fits the outline to both eyes; false when too little of it is seen. `number`: of this arm in the
+    /// labels.
+    bool look(const std::array<EyeView, 2>& eyes, int number);
+
+    /// The outline in one eye, as believed.
+    std::vector<InstrumentOutline::Polygon> outline(const EyeView& eye) const;
+
+    /// Tip as believed.
+    Eigen::Isometry3d X_CT() const;
+    std::vector<scenes::Capsule> capsules_C() const;
+
+    /// Of a point of the tip's frame: believed minus measured; nothing when the last frame did not show it.
+    std::optional<robot::InstrumentOffset> offset(const Eigen::Vector3d& p_T) const;
+
+    /// Of a point of the tip's frame: how sure the belief is, one axis (m).
+    Eigen::Matrix3d covariance(const Eigen::Vector3d& p_T) const;
+    double support() const { return support_; }  ///< share of the outline that lies on borders
 
   private:
+    using Links = std::array<Eigen::Isometry3d, robot::kLinkCount>;
+    Links links_C(const Parameters& x) const;
+    Eigen::Isometry3d X_CT(const Parameters& x) const;
+    void collect(const EyeView& eye, int number, const Parameters& x, double reach_px, Covariance& H,
+                 Parameters& g);
+
+    InstrumentOutline outline_;
+    SightPrior prior_;
+    Covariance P0_;
+    const robot::RobotArm* arm_ = nullptr;
+    robot::ArmState measured_;
+    bool started_ = false, seen_ = false;
+    Parameters x_ = Parameters::Zero();
+    Covariance P_;
+    double support_ = 0.0;
+    int tried_ = 0, fitted_ = 0;
+};
+
+/// All instruments in both images, with the colours they share.
+class InstrumentSights {
+  public:
+    InstrumentSights(const scenes::StereoRig& rig, std::vector<InstrumentSight> sights);
+    InstrumentSights(const InstrumentSights&) = delete;
+    InstrumentSights& operator=(const InstrumentSights&) = delete;
+
+    /// Images are BGR, 8 bit.
+    void look(const cv::Mat& left, const cv::Mat& right, const std::vector<const robot::RobotArm*>& arms);
+
+    const InstrumentSight& operator[](int arm) const { return sights_[static_cast<size_t>(arm)]; }
+
+  private:
+    void learn(size_t eye, const cv::Mat& image);
+
     scenes::StereoRig rig_;
-    scenes::ImageChannel channel_;
-    double prior_sigma_m_;
-    robot::OffsetFilter filter_;
-    std::optional<robot::InstrumentOffset> seen_;
-    std::optional<Eigen::Vector3d> last_p_C_;
-    double last_time_s_ = 0.0;
+    std::vector<InstrumentSight> sights_;
+    std::array<InstrumentSight::EyeView, 2> eyes_;
+    std::array<InstrumentColours, 2> colours_;
 };
 
 }  // namespace atropos::experiments

@@ -9,10 +9,14 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr double kMemory_s = 0.3;  // over which the lag's changes are averaged
+// The wrist's play moves the blades by millimetres within a few degrees of the wrist's turning; what the
+// images say has been fused there already.
+constexpr double kForget_m = 0.02;
 
 OffsetFilter::Options filter_options(const ScissorsOptions& options) {
     OffsetFilter::Options filter;
     filter.prior_sigma_m = options.registration_sigma_m / std::sqrt(3.0);
+    filter.forget_m = kForget_m;
     return filter;
 }
 
