@@ -38,6 +38,12 @@ double MotionFilter::jerk_density() const {
     return 2.0 * adapted_ * sigma * sigma / options_.forget_s;
 }
 
+// Of velocity and acceleration: variance along against across.
+Matrix3d MotionFilter::shape() const {
+    const double share = options_.along_share;
+    return Matrix3d::Identity() + (share * share - 1.0) * along_ * along_.transpose();
+}
+
 void MotionFilter::start(double time_s, const Vector3d& p, const Matrix3d& covariance) {
     started_ = true;
     time_s_ = time_s;
@@ -45,8 +51,8 @@ void MotionFilter::start(double time_s, const Vector3d& p, const Matrix3d& covar
     belief_.x << p, Vector3d::Zero(), Vector3d::Zero();
     belief_.P.setZero();
     belief_.P.block<3, 3>(0, 0) = covariance;
-    belief_.P.block<3, 3>(3, 3) = std::pow(options_.velocity_sigma_m_s, 2) * Matrix3d::Identity();
-    belief_.P.block<3, 3>(6, 6) = std::pow(options_.acceleration_sigma_m_s2, 2) * Matrix3d::Identity();
+    belief_.P.block<3, 3>(3, 3) = std::pow(options_.velocity_sigma_m_s, 2) * shape();
+    belief_.P.block<3, 3>(6, 6) = std::pow(options_.acceleration_sigma_m_s2, 2) * shape();
 }
 
 MotionFilter::Belief MotionFilter::advanced(double time_s) const {
@@ -54,7 +60,7 @@ MotionFilter::Belief MotionFilter::advanced(double time_s) const {
     const double span = std::max(time_s - time_s_, 0.0);
     const int steps = std::clamp(static_cast<int>(std::ceil(4.0 * span / options_.forget_s)), 1, 40);
     const double dt = span / steps;
-    const Matrix3d F = transition(dt, options_.forget_s), Q = jerk_density() * jerk_noise(dt);
+    const Matrix3d F = transition(dt, options_.forget_s), Q = jerk_density() * jerk_noise(dt), M = shape();
     Matrix9d FF = Matrix9d::Zero();
     for (int i = 0; i < 3; ++i)
         for (int j = i; j < 3; ++j) FF.block<3, 3>(3 * i, 3 * j).diagonal().setConstant(F(i, j));
@@ -63,7 +69,7 @@ MotionFilter::Belief MotionFilter::advanced(double time_s) const {
         const Matrix9d FP = FF * b.P;
         b.P.noalias() = FP * FF.transpose();
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) b.P.block<3, 3>(3 * i, 3 * j).diagonal().array() += Q(i, j);
+            for (int j = 0; j < 3; ++j) b.P.block<3, 3>(3 * i, 3 * j) += Q(i, j) * M;
     }
     return b;
 }
@@ -86,8 +92,14 @@ void MotionFilter::update(double time_s, const Vector3d& p, const Matrix3d& cova
     I_KH.leftCols<3>() -= K;
     b.P = (I_KH * b.P * I_KH.transpose() + K * covariance * K.transpose()).eval();  // Joseph: stays positive
     // Innovations too large mean that the motion is livelier than thought.
-    const double ratio = innovation.dot(S_inverse * innovation) / 3.0;
-    adapted_ = std::clamp(adapted_ * (1.0 + 0.1 * std::clamp(ratio - 1.0, -1.0, 3.0)), 0.02, 100.0);
+    double ratio = innovation.dot(S_inverse * innovation) / 3.0;
+    if (options_.along_share < 1.0) {
+        const Matrix3d S = S_inverse.inverse();
+        const Vector3d across = innovation - along_.dot(innovation) * along_;
+        ratio = across.squaredNorm() / (S.trace() - along_.dot(S * along_));
+    }
+    adapted_ = std::clamp(adapted_ * (1.0 + 0.1 * std::clamp(ratio - 1.0, -1.0, 3.0)), options_.least_adapted,
+                          options_.most_adapted);
     belief_ = b;
     time_s_ = time_s;
 }
@@ -96,9 +108,9 @@ MotionFilter::State MotionFilter::at(double time_s) const {
     const double dt = std::max(time_s - time_s_, 0.0);
     const Matrix3d F = transition(dt, options_.forget_s), Q = jerk_density() * jerk_noise(dt);
     const Matrix3d x = belief_.x * F.transpose();
-    State state{x.col(0), x.col(1), Matrix3d::Zero()};
+    State state{x.col(0), x.col(1), belief_.P.block<3, 3>(0, 0), Matrix3d::Zero()};
     state.growth = dt * dt * belief_.P.block<3, 3>(3, 3) + F(0, 2) * F(0, 2) * belief_.P.block<3, 3>(6, 6) +
-                   Q(0, 0) * Matrix3d::Identity();
+                   Q(0, 0) * shape();
     return state;
 }
 

@@ -15,7 +15,7 @@ struct ThreadPrediction {
     Eigen::Vector3d p_C = Eigen::Vector3d::Zero();
     Eigen::Vector3d v_C = Eigen::Vector3d::Zero();
     Eigen::Vector3d tangent_C = Eigen::Vector3d::UnitX();
-    Eigen::Matrix3d tracking = Eigen::Matrix3d::Zero();    ///< covariance the tracker states, m^2
+    Eigen::Matrix3d tracking = Eigen::Matrix3d::Zero();  ///< covariance when last seen, over all frames, m^2
     Eigen::Matrix3d prediction = Eigen::Matrix3d::Zero();  ///< covariance gained since, m^2
 };
 
