@@ -21,8 +21,8 @@ constexpr double kGripSigma_m = 2e-5;      // of measured motion over a few tent
 constexpr double kMaxSurprise = 30.0;      // squared, three degrees of freedom: one in a million
 constexpr double kModelSigma_m = 3e-4;     // no innovation below this is a jump
 // What a tracker's sigmas leave out: along the thread a point is known by the ends alone and slides for some
-// frames at a time, so that frames are not independent.
-constexpr double kSlideSigma_m = 1.5e-3, kJitterSigma_m = 1.5e-4;
+// frames at a time; 0.2 mm where the ends are known to 0.3 mm.
+constexpr double kSlideSigma_m = 4e-4, kJitterSigma_m = 1.5e-4;
 constexpr double kSlideSurprise = 2.0;  // sigmas; what slid farther counts less
 constexpr double kLongestExtrapolation_s = 0.5;
 constexpr double kBelieveJumpAfter_s = 0.3;

@@ -320,9 +320,10 @@ int main_of(int argc, char** argv) {
                 100.0 * row.failures / row.frames, row.events, row.lost, row.coasting, row.silent,
                 row.sigma_depth_mm.mean(), share_below(row.depth_ratio, 1.0),
                 share_below(row.depth_ratio, 2.0), row.sigma_lateral_mm.mean(),
-                share_below(row.lateral_ratio, 1.0), share_below(row.lateral_ratio, 2.0), row.sigma_along_mm.mean(),
-                share_below(row.along_ratio, 1.0), share_below(row.along_ratio, 2.0), row.frame_ms.mean(),
-                row.frame_ms.quantile(0.99), list[v].name.c_str());
+                share_below(row.lateral_ratio, 1.0), share_below(row.lateral_ratio, 2.0),
+                row.sigma_along_mm.mean(), share_below(row.along_ratio, 1.0),
+                share_below(row.along_ratio, 2.0), row.frame_ms.mean(), row.frame_ms.quantile(0.99),
+                list[v].name.c_str());
         }
         std::fflush(stdout);
     }
