@@ -18,10 +18,7 @@ constexpr int kFramesToLost = 10;         // this long hardly seen: given up
 constexpr int kRestartFrames = 10;        // a lost thread is looked for between its ends this often
 
 /// Within which 68 % of the offsets lie, at 640: measured on seeds 101-103 (docs/method.md).
-struct Sigma {
-    double lateral_px, disparity_px;
-};
-constexpr Sigma kSigmaE1 = {1.6, 0.4}, kSigmaE2 = {1.0, 0.4};
+constexpr scenes::TrackerConfig::Uncertainty kOfE1 = {1.6, 0.4}, kOfE2 = {1.0, 0.4};
 
 double ms_since(std::chrono::steady_clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
@@ -41,6 +38,14 @@ int labels_per_node(const scenes::TrackerConfig& config) {
 
 }  // namespace
 
+scenes::TrackerConfig::Uncertainty stated_uncertainty(const scenes::TrackerConfig& config) {
+    scenes::TrackerConfig::Uncertainty stated = config.uncertainty;
+    const auto own = config.method == scenes::TrackerMethod::kE1 ? kOfE1 : kOfE2;
+    if (stated.lateral_px == 0.0) stated.lateral_px = own.lateral_px;
+    if (stated.disparity_px == 0.0) stated.disparity_px = own.disparity_px;
+    return stated;
+}
+
 ThreadTracker::ThreadTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig)
     : config_(config),
       rig_(rig),
@@ -49,7 +54,8 @@ ThreadTracker::ThreadTracker(const scenes::TrackerConfig& config, const scenes::
       pool_(config.threads),
       search_(config.method, config.optimiser, config.labels, config.curve.control_points,
               labels_per_node(config)),
-      sampler_(config.curve.degree, config.curve.control_points) {
+      sampler_(config.curve.degree, config.curve.control_points),
+      uncertainty_(stated_uncertainty(config)) {
     validate(config);
     const bool first = config.method == scenes::TrackerMethod::kE1;
     weights_ = {.px_scale = kReferenceWidth_px / rig.left.width_px,
@@ -57,10 +63,6 @@ ThreadTracker::ThreadTracker(const scenes::TrackerConfig& config, const scenes::
                 .smooth_per_m = first ? config.lambda2_e1_per_m : 0.0,
                 .tip_epsilon_m = config.tips.epsilon_m,
                 .tip_per_m = config.tips.weight_per_m};
-    const Sigma own = first ? kSigmaE1 : kSigmaE2;
-    const auto& told = config.uncertainty;
-    sigma_lateral_px_ = told.lateral_px > 0.0 ? told.lateral_px : own.lateral_px;
-    sigma_disparity_px_ = told.disparity_px > 0.0 ? told.disparity_px : own.disparity_px;
     if (config.parameterisation == scenes::Parameterisation::k2d) image_unknowns_.emplace(rig, config);
     result_.labels.resize(static_cast<std::size_t>(config.labels.steps * config.curve.control_points));
 }
@@ -217,9 +219,9 @@ void ThreadTracker::judge(const StereoFrame& frame) {
     result_.control_points = state_.control_points;
     sampler_.sample(state_.control_points, result_.estimate.samples);
     for (scenes::ThreadSample& sample : result_.estimate.samples) {
-        sample.sigma_lateral_m = sigma_lateral_px_ / weights_.px_scale * rig_.m_per_px(sample.p_C.z());
+        sample.sigma_lateral_m = uncertainty_.lateral_px / weights_.px_scale * rig_.m_per_px(sample.p_C.z());
         sample.sigma_depth_m =
-            sigma_disparity_px_ / weights_.px_scale * rig_.m_per_disparity_px(sample.p_C.z());
+            uncertainty_.disparity_px / weights_.px_scale * rig_.m_per_disparity_px(sample.p_C.z());
     }
 }
 

@@ -13,6 +13,10 @@
 
 namespace atropos::tracker {
 
+/// One standard deviation, at 640, that ThreadTracker states for its curves: what `config` says or, where
+/// that is 0, its method's own.
+scenes::TrackerConfig::Uncertainty stated_uncertainty(const scenes::TrackerConfig& config);
+
 /// The paper's tracker: cost images of both eyes, then two steps of discrete optimisation of E1 or E2 over
 /// the control points in space; or, as a comparison, over those of both image curves.
 class ThreadTracker final : public StereoTracker {
@@ -50,8 +54,7 @@ class ThreadTracker final : public StereoTracker {
     std::optional<ImageUnknowns> image_unknowns_;  ///< 2D parameterisation only
     std::vector<double> reference_speed_m_;
     double spacing_m_ = 0.0;
-    double sigma_lateral_px_;  ///< at 640
-    double sigma_disparity_px_;
+    scenes::TrackerConfig::Uncertainty uncertainty_;
     TrackerState state_;
     TrackResult result_;
     StageTimings timings_;

@@ -1,8 +1,9 @@
 // The paper's tracker on generated sequences, as Markdown beside Table I.
 //   tracker_table paper  CAMERA FOLDER [FRAMES]   Table I: accelerations 1-5, seeds 1-3; default | A | B
-//   tracker_table rigs   FOLDER [FRAMES]          converging and distorted rigs beside the pinhole rig
+//   tracker_table rigs   FOLDER [FRAMES [SEEDS]]  converging and distorted rigs beside the pinhole rig
 //   tracker_table starts [CURVES]                 curves found from a straight line between the ends
 //   tracker_table ablation [FRAMES]               one choice changed at a time
+//   tracker_table sigmas CAMERA FOLDER [FRAMES]   standard deviations, on seeds apart from those above
 //   tracker_table tune   CAMERA [FRAMES]          a grid of parameters on seeds apart from those above
 // FOLDER keeps what is done, so that an interrupted run goes on where it stopped.
 #include <malloc.h>
@@ -26,13 +27,16 @@ int main(int argc, char** argv) {
     try {
         if (words.size() >= 3 && words[0] == "paper")
             return print_paper_table(words[1], words[2], number(3, 1000));
-        if (words.size() >= 2 && words[0] == "rigs") return print_rig_table(words[1], number(2, 1000));
+        if (words.size() >= 2 && words[0] == "rigs")
+            return print_rig_table(words[1], number(2, 300), number(3, 12));
+        if (words.size() >= 3 && words[0] == "sigmas")
+            return print_sigma_table(words[1], words[2], number(3, 1000));
         if (words.size() >= 1 && words[0] == "starts") return print_start_table(number(1, 200));
         if (words.size() >= 1 && words[0] == "ablation") return print_ablation_table(number(1, 200));
         if (words.size() >= 2 && words[0] == "tune") return print_tuning(words[1], number(2, 200));
         std::fprintf(stderr,
-                     "tracker_table: unknown words, expected paper CAMERA FOLDER, rigs FOLDER, starts or "
-                     "tune CAMERA\n");
+                     "tracker_table: unknown words, expected paper or sigmas CAMERA FOLDER, rigs FOLDER, "
+                     "starts, ablation or tune CAMERA\n");
     } catch (const std::exception& error) {
         std::fprintf(stderr, "tracker_table: %s\n", error.what());
     }

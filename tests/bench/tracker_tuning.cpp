@@ -1,5 +1,4 @@
 // Parameters by measurement, on seeds 101-103 at accelerations 1, 4 and 5.
-#include <algorithm>
 #include <cstdio>
 #include <vector>
 
@@ -8,17 +7,6 @@
 #include "tracker/label_set.hpp"
 
 namespace atropos::bench {
-namespace {
-
-double quantile(std::vector<double> values, double share) {
-    if (values.empty()) return 0.0;
-    const auto at =
-        values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-}
-
-}  // namespace
 
 int print_tuning(const std::string& camera, int frames) {
     const support::TableCase c = support::table_case(camera);
@@ -50,15 +38,11 @@ int print_tuning(const std::string& camera, int frames) {
     for (std::size_t i = 0; i < configs.size(); ++i) {
         const bool first = configs[i].method == scenes::TrackerMethod::kE1;
         const support::TrialSummary s = support::summary(all[i], 5.0 * c.options.rig.left.width_px / 640.0);
-        std::vector<double> lateral_px, disparity_px;
-        for (const support::FrameScore& score : all[i]) {
-            lateral_px.insert(lateral_px.end(), score.lateral_px.begin(), score.lateral_px.end());
-            disparity_px.insert(disparity_px.end(), score.disparity_px.begin(), score.disparity_px.end());
-        }
         std::printf("| %s | %.3f | %.0f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f |\n", first ? "E1" : "E2",
                     1e3 * configs[i].labels.s_m, first ? configs[i].lambda1_e1 : configs[i].lambda1_e2,
                     1e3 * s.mean_3d_m, s.mean_2d_px, s.median_2d_px, s.failed_percent,
-                    quantile(lateral_px, 0.683), quantile(disparity_px, 0.683));
+                    offset_quantile_px(all[i], &support::FrameScore::lateral_px, 0.683),
+                    offset_quantile_px(all[i], &support::FrameScore::disparity_px, 0.683));
     }
     return 0;
 }

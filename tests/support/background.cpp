@@ -1,5 +1,6 @@
 #include "tests/support/background.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -42,7 +43,10 @@ class LatticeNoise {
 struct PaintedLine {
     std::vector<Eigen::Vector2d> points;  ///< on the wall, m
     double width_m;
-    double level;  ///< grey levels added; negative = dark
+    double level;                  ///< grey levels added; negative = dark
+    Eigen::AlignedBox2d box = {};  ///< all that it changes lies within
+
+    double reach_m() const { return 3.0 * width_m; }
 };
 
 double distance_to(const PaintedLine& line, const Eigen::Vector2d& p) {
@@ -66,6 +70,9 @@ PaintedLine random_line(scenes::RandomStream& random, double reach_m, double wid
         heading += bend + random.normal(0.0, 0.12);
         p += reach_m / 14.0 * Eigen::Vector2d(std::cos(heading), std::sin(heading));
     }
+    for (const Eigen::Vector2d& point : line.points)
+        for (const double side : {-line.reach_m(), line.reach_m()})
+            line.box.extend(Eigen::Vector2d(point.array() + side));
     return line;
 }
 
@@ -106,8 +113,9 @@ std::pair<cv::Mat1f, cv::Mat1f> paint_background(const scenes::StereoRig& rig,
                     }
                     level += 300.0 * (p.x() + 0.5 * p.y()) * (0.07 / size);
                     for (const PaintedLine& line : lines) {
+                        if (!line.box.contains(p.head<2>())) continue;
                         const double d = distance_to(line, p.head<2>());
-                        if (d < 3.0 * line.width_m)
+                        if (d < line.reach_m())
                             level += line.level * soft_box(d, 0.5 * line.width_m, 0.25 * line.width_m);
                     }
                 }

@@ -49,8 +49,6 @@ FrameScore score_of(const tracker::TrackResult& result, const SyntheticFrame& dr
         score.accuracy_3d_m += nearest.distance_m / n;
         const Eigen::Vector3d offset = sample.p_C - nearest.point, ray = sample.p_C.normalized();
         const double depth_m = std::abs(offset.dot(ray)), lateral_m = offset.cross(ray).norm();
-        score.lateral_coverage += (lateral_m <= sample.sigma_lateral_m ? 1.0 : 0.0) / n;
-        score.depth_coverage += (depth_m <= sample.sigma_depth_m ? 1.0 : 0.0) / n;
         score.lateral_px.push_back(px_scale * lateral_m / rig.m_per_px(sample.p_C.z()));
         score.disparity_px.push_back(px_scale * depth_m / rig.m_per_disparity_px(sample.p_C.z()));
     }
@@ -110,8 +108,6 @@ TrialSummary summary(const std::vector<FrameScore>& scores, double failure_px) {
             ++s.lost_frames;
             continue;
         }
-        s.lateral_coverage += score.lateral_coverage;
-        s.depth_coverage += score.depth_coverage;
         px.push_back(score.accuracy_2d_px);
         sum_m += score.accuracy_3d_m;
         square_m += score.accuracy_3d_m * score.accuracy_3d_m;
@@ -121,8 +117,6 @@ TrialSummary summary(const std::vector<FrameScore>& scores, double failure_px) {
     s.failed_percent = 100.0 * failed / std::max(s.frames, 1);
     if (px.empty()) return s;
     const double n = static_cast<double>(px.size());
-    s.lateral_coverage /= n;
-    s.depth_coverage /= n;
     s.mean_3d_m = sum_m / n;
     s.std_3d_m = std::sqrt(std::max(0.0, square_m / n - s.mean_3d_m * s.mean_3d_m));
     s.mean_2d_px = sum_px / n;
@@ -130,6 +124,33 @@ TrialSummary summary(const std::vector<FrameScore>& scores, double failure_px) {
     std::nth_element(px.begin(), px.begin() + static_cast<std::ptrdiff_t>(px.size() / 2), px.end());
     s.median_2d_px = px[px.size() / 2];
     return s;
+}
+
+namespace {
+
+std::vector<double> offsets_px(const std::vector<FrameScore>& scores, OffsetKind kind) {
+    std::vector<double> all;
+    for (const FrameScore& score : scores)
+        if (score.status != scenes::TrackStatus::kLost)
+            all.insert(all.end(), (score.*kind).begin(), (score.*kind).end());
+    return all;
+}
+
+}  // namespace
+
+double share_within(const std::vector<FrameScore>& scores, OffsetKind kind, double px) {
+    const std::vector<double> offsets = offsets_px(scores, kind);
+    const auto within = std::count_if(offsets.begin(), offsets.end(), [&](double o) { return o <= px; });
+    return static_cast<double>(within) / static_cast<double>(std::max<std::size_t>(offsets.size(), 1));
+}
+
+double offset_quantile_px(const std::vector<FrameScore>& scores, OffsetKind kind, double share) {
+    std::vector<double> offsets = offsets_px(scores, kind);
+    if (offsets.empty()) return 0.0;
+    const auto at =
+        offsets.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(offsets.size() - 1));
+    std::nth_element(offsets.begin(), at, offsets.end());
+    return *at;
 }
 
 KnotMotion knot_motion(const SyntheticSequenceOptions& options, int frames) {

@@ -17,10 +17,8 @@ struct FrameScore {
     double middle_m;
     double support;
     double total_ms;
-    // Shares of the samples whose offset to the truth lies within one reported sigma, across and along the
-    // viewing ray; and the offsets themselves in units of a pixel and of a pixel of disparity, at 640.
-    double lateral_coverage = 0.0;
-    double depth_coverage = 0.0;
+    // Offsets of the samples to the truth across and along the viewing ray, in units of a pixel and of a
+    // pixel of disparity, at 640.
     std::vector<double> lateral_px = {};
     std::vector<double> disparity_px = {};
 };
@@ -43,9 +41,16 @@ struct TrialSummary {
     double mean_2d_px = 0.0, std_2d_px = 0.0, median_2d_px = 0.0;
     double failed_percent = 0.0;  ///< frames with symmetric 2D error above 5 px, at 640, any status
     int lost_frames = 0;          ///< status lost
-    double lateral_coverage = 0.0, depth_coverage = 0.0;  ///< shares within one sigma
 };
 TrialSummary summary(const std::vector<FrameScore>& scores, double failure_px = 5.0);
+
+/// Offsets of one kind (`&FrameScore::lateral_px` or `disparity_px`) of all samples of frames that aren't
+/// lost.
+using OffsetKind = std::vector<double> FrameScore::*;
+/// The share of them that is at most `px`.
+double share_within(const std::vector<FrameScore>& scores, OffsetKind kind, double px);
+/// The offset that `share` of them does not exceed; 0 of none.
+double offset_quantile_px(const std::vector<FrameScore>& scores, OffsetKind kind, double share);
 
 /// How far the knot points (the curve at its six distinct knots) move from frame to frame: the deformation
 /// columns of Table I.

@@ -118,6 +118,20 @@ TEST(ThreadTracker, is_lost_where_there_is_no_thread) {
     EXPECT_TRUE(result.estimate.samples.empty());
 }
 
+TEST(ThreadTracker, states_one_sigma_in_pixels_of_a_640_px_wide_image) {
+    const Drawn drawn({.seed = 7, .rig = kSmallRig});
+    scenes::TrackerConfig config;
+    config.uncertainty = {.lateral_px = 0.5, .disparity_px = 0.2};
+    const auto tracker = make_tracker(config, kSmallRig);
+    for (const scenes::ThreadSample& sample : tracker->start(drawn.frame, drawn.curve()).estimate.samples) {
+        const double z_m = sample.p_C.z();
+        EXPECT_NEAR(sample.sigma_lateral_m, 0.25 * z_m / 287.5, 1e-12);
+        EXPECT_NEAR(sample.sigma_depth_m, 0.1 * z_m * z_m / (287.5 * 0.005), 1e-12);
+    }
+    EXPECT_GT(stated_uncertainty({}).lateral_px, 0.0);
+    EXPECT_EQ(stated_uncertainty(config).disparity_px, 0.2);
+}
+
 TEST(ThreadTracker, refuses_frames_that_do_not_fit_the_rig) {
     const Drawn drawn({.seed = 7, .rig = kSmallRig});
     const auto tracker = make_tracker({}, kSmallRig);
