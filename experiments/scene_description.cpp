@@ -47,8 +47,9 @@ std::string describe_thread(const scenes::SceneConfig& scene) {
     text += fmt::format("edges              {:.3f} mm, {:.2f} diameters\n", 1e3 * p.edge_length_m,
                         p.edge_over_diameter);
     text += fmt::format("buckles at         {:.3g} N, pinned at both ends\n", p.buckling_load_N);
-    text +=
-        fmt::format("expected cost      {:.2f} CPU s a simulated second without a knot\n", p.expected_cost);
+    text += fmt::format(
+        "expected cost      {:.2f} CPU s a simulated second, {:.2f} while a knot is drawn tight\n",
+        p.expected_cost, p.expected_knot_cost);
     for (const std::string& warning : p.warnings) text += "warning: thread: " + warning + '\n';
     return text;
 }

@@ -17,7 +17,8 @@ struct DerivedPhysics {
     double edge_over_diameter = 0.0;
     double strain_at_1_N = 0.0;
     double buckling_load_N = 0.0;       ///< Euler's, pinned at both ends
-    double expected_cost = 0.0;         ///< CPU seconds a simulated second, moving, without a knot
+    double expected_cost = 0.0;         ///< CPU seconds a simulated second, carried, without a knot
+    double expected_knot_cost = 0.0;    ///< the same while an overhand knot is drawn tight
     std::vector<std::string> warnings;  ///< one line each, outside the range the model was checked in
 };
 DerivedPhysics derived_physics(const ThreadOptions& thread, double gravity_m_s2 = 9.81);

@@ -1,5 +1,6 @@
 #include "sim/world.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +13,9 @@ namespace atropos::sim {
 namespace {
 
 using Eigen::Vector3d;
+using ::testing::HasSubstr;
 using testing::HeldThread;
+using ::testing::Not;
 
 TEST(World, holds_a_thread_at_rest_between_two_jaws) {
     HeldThread held;
@@ -87,6 +90,20 @@ TEST(DerivedPhysics, fits_bending_stiffness_to_a_sag) {
     // Small sag: w L^4 / 8 EI.
     EXPECT_NEAR(cantilever_sag_m(0.07, 1e-5, density), density * 9.81 * std::pow(0.07, 4) / 8e-5, 1e-8);
     EXPECT_THROW(fit_sag_EI(0.07, 0.08, density), std::invalid_argument);
+}
+
+TEST(DerivedPhysics, warns_of_edges_that_cost_more_than_real_time) {
+    const auto warnings = [](int edges) {
+        ThreadOptions options;
+        options.edges = edges;
+        std::string all;
+        for (const std::string& line : derived_physics(options).warnings) all += line + '\n';
+        return all;
+    };
+    EXPECT_THAT(warnings(140), Not(HasSubstr("slower than real time")));
+    EXPECT_THAT(warnings(300), HasSubstr("a knot drawn tight with 300 edges is slower than real time"));
+    EXPECT_THAT(warnings(300), Not(HasSubstr("\n300 edges are")));
+    EXPECT_THAT(warnings(900), HasSubstr("900 edges are slower than real time"));
 }
 
 TEST(DerivedPhysics, knows_the_gravity_bending_length) {
