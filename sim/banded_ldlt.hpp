@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 namespace atropos::sim {
@@ -9,25 +10,20 @@ namespace atropos::sim {
 /// coupled to its two neighbours on either side, which is what stretching and bending of a rod give.
 class BandedLdlt {
   public:
-    static constexpr int kHalfBandwidth = 8;
-
-    /// Zero matrix of `rows` rows.
+    /// Zero matrix of `rows` rows, three a node.
     void reset(int rows);
     int rows() const { return rows_; }
 
     /// Adds `block` at the rows of node `row_node` and the columns of `column_node` <= row_node; of a
     /// diagonal block only the lower triangle is read.
     void add_block(int row_node, int column_node, const Eigen::Matrix3d& block) {
-        const int diagonal = 3 * (row_node - column_node);
-        for (int c = 0; c < 3; ++c) {
-            double* column = &columns_[static_cast<size_t>((3 * column_node + c) * kStride)];
-            for (int r = diagonal == 0 ? c : 0; r < 3; ++r) column[diagonal + r - c] += block(r, c);
-        }
+        Block& to = at(column_node)[static_cast<size_t>(row_node - column_node)];
+        for (int c = 0; c < 3; ++c) to[static_cast<size_t>(c)].head<3>() += block.col(c);
     }
 
     /// Adds `value` times the identity to a node's diagonal block.
     void add_diagonal(int node, double value) {
-        for (int c = 0; c < 3; ++c) columns_[static_cast<size_t>((3 * node + c) * kStride)] += value;
+        for (int c = 0; c < 3; ++c) at(node)[0][static_cast<size_t>(c)][c] += value;
     }
 
     /// Replaces the rows and columns of a node by the identity.
@@ -44,11 +40,17 @@ class BandedLdlt {
     void solve(std::vector<double>& b, int width, int first_row) const;
 
   private:
-    // Column j holds A(j, j), A(j+1, j), ..., A(j+8, j), then zeros, so that the inner loops have a fixed
-    // length.
-    static constexpr int kStride = 16;
+    // Three columns of three rows; the fourth row is zero and makes a column one register.
+    using Block = std::array<Eigen::Vector4d, 3>;
+    // Of one node's columns: its own rows, the next node's, and those of the one after.
+    using Columns = std::array<Block, 3>;
+
+    Columns& at(int node) { return columns_[static_cast<size_t>(node)]; }
+    template <int kCount>
+    void solve_panel(double* panel, int width, int first_row) const;
+
     int rows_ = 0;
-    std::vector<double> columns_;
+    std::vector<Columns> columns_;  // two more than nodes, so that no node lacks the two after it
     std::vector<double> inverse_pivots_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/rod_energy.hpp"
 #include "sim/rod_substep.hpp"
@@ -43,6 +44,7 @@ void Rod::set_state(const ThreadState& state) {
     pull_N_.assign(state_.p_W.size(), Vector3d::Zero());
     self_contact_.clear();
     past_contacts_.clear();
+    last_v_W_.clear();
 }
 
 void Rod::cut(int edge, double t) {
@@ -52,6 +54,7 @@ void Rod::cut(int edge, double t) {
     pull_N_.assign(state_.p_W.size(), Vector3d::Zero());
     self_contact_.clear();
     past_contacts_.clear();
+    last_v_W_.clear();
 }
 
 void Rod::set_masses() {
@@ -134,6 +137,7 @@ void Rod::step(double dt_s, Boundary& boundary, std::vector<SurfaceContact>& con
         for (size_t c = 0; c < contacts.size(); ++c) impulse[c] += sub.h * past_contacts_[c].normal_N;
         done += sub.h;
     }
+    last_v_W_ = before_tick.v_W;
     for (size_t c = 0; c < contacts.size(); ++c) contacts[c].normal_force_N = impulse[c] / dt_s;
 }
 
@@ -150,6 +154,8 @@ bool Rod::advance(Substep& sub) {
     self_contact_.begin_step(near);
 
     lag_friction(sub);
+    sub.at_x = potential(sub, x_);
+    if (near.empty()) try_gathering_speed(sub);
     bool converged = false;
     double before_m = 0.0;
     for (int iteration = 0;; ++iteration) {
@@ -165,12 +171,12 @@ bool Rod::advance(Substep& sub) {
             if (sub.fixed[at(i)]) matrix_.fix_node(i);
         if (!matrix_.factor()) return false;
         direction_ = -gradient_;
-        for (int i = 0; i < state_.node_count(); ++i)
-            if (sub.fixed[at(i)]) direction_.segment<3>(3 * i).setZero();
+        zero_where_fixed(sub, direction_);
         matrix_.solve(direction_);
         if (!near.empty()) solve_self_contacts(sub, sub.multiplier_force);
+        if (self_contact_.count() == 0) stiffen_by_twist(sub);
         const double slope = (gradient_ - sub.multiplier_force).dot(direction_);
-        if (!search_line(sub, slope, sub.multiplier_force)) return false;
+        if (!search_line(sub, slope)) return false;
         const double tolerance =
             self_contact_.count() > 0 ? parameters_.contact_tolerance_m : parameters_.tolerance_m;
         const double moved_m = direction_.lpNorm<Eigen::Infinity>();
@@ -183,8 +189,20 @@ bool Rod::advance(Substep& sub) {
     report_.converged = converged;
     report_.self_contacts = near.empty() ? 0 : self_contact_.count();
     assemble(sub, false);
-    for (TwistSpan& span : sub.boundary->twists) span.twist_rad = twist_at(span, x_);
+    for (size_t k = 0; k < sub.at_x.twist_rad.size(); ++k)
+        sub.boundary->twists[k].twist_rad = sub.at_x.twist_rad[k];
     return gradient_.allFinite();
+}
+
+void Rod::try_gathering_speed(Substep& sub) {
+    if (last_v_W_.size() != x_.size()) return;
+    trial_ = x_;
+    for (size_t i = 0; i < x_.size(); ++i)
+        if (!sub.fixed[i]) trial_[i] += sub.h * (state_.v_W[i] - last_v_W_[i]);
+    Potential there = potential(sub, trial_);
+    if (!(there.total_J < sub.at_x.total_J)) return;
+    x_.swap(trial_);
+    sub.at_x = std::move(there);
 }
 
 void Rod::solve_self_contacts(Substep& sub, Eigen::VectorXd& multiplier_force) {
@@ -193,13 +211,29 @@ void Rod::solve_self_contacts(Substep& sub, Eigen::VectorXd& multiplier_force) {
     if (self_contact_.empty()) return;
     multiplier_force = self_contact_.solve(matrix_, direction_, parameters_.self_friction, sub.fixed);
     direction_ = multiplier_force - gradient_;
-    for (int i = 0; i < state_.node_count(); ++i)
-        if (sub.fixed[at(i)]) direction_.segment<3>(3 * i).setZero();
+    zero_where_fixed(sub, direction_);
     matrix_.solve(direction_);
 }
 
-bool Rod::search_line(const Substep& sub, double slope, const Eigen::VectorXd& multiplier_force) {
-    const double start = potential(sub, x_);
+void Rod::zero_where_fixed(const Substep& sub, Eigen::VectorXd& rows) const {
+    for (int i = 0; i < state_.node_count(); ++i)
+        if (sub.fixed[at(i)]) rows.segment<3>(3 * i).setZero();
+}
+
+void Rod::stiffen_by_twist(const Substep& sub) {
+    for (size_t k = 0; k < sub.by_twist.size(); ++k) {
+        Eigen::VectorXd t(3 * state_.node_count());
+        for (int i = 0; i < state_.node_count(); ++i) t.segment<3>(3 * i) = sub.by_twist[k][at(i)];
+        zero_where_fixed(sub, t);
+        Eigen::VectorXd z = t;
+        matrix_.solve(z);
+        const double stiffness = parameters_.GJ_N_m2 / span_length_m(sub.boundary->twists[k]);
+        direction_ -= stiffness * t.dot(direction_) / (1.0 + stiffness * t.dot(z)) * z;
+    }
+}
+
+bool Rod::search_line(Substep& sub, double slope) {
+    const double start = sub.at_x.total_J;
     if (!std::isfinite(start)) return false;
     trial_.resize(x_.size());
     double alpha = 1.0;
@@ -208,10 +242,10 @@ bool Rod::search_line(const Substep& sub, double slope, const Eigen::VectorXd& m
         for (size_t n = 0; n < x_.size(); ++n) {
             const Vector3d d = alpha * direction_.segment<3>(3 * static_cast<int>(n));
             trial_[n] = x_[n] + d;
-            work += d.dot(multiplier_force.segment<3>(3 * static_cast<int>(n)));
+            work += d.dot(sub.multiplier_force.segment<3>(3 * static_cast<int>(n)));
         }
-        const double value = potential(sub, trial_) - work;
-        if (value <= start + 1e-4 * alpha * slope + 1e-14 * std::abs(start)) break;
+        sub.at_x = potential(sub, trial_);
+        if (sub.at_x.total_J - work <= start + 1e-4 * alpha * slope + 1e-14 * std::abs(start)) break;
     }
     x_.swap(trial_);
     direction_ *= alpha;

@@ -73,16 +73,25 @@ class Rod final : public ThreadDynamics {
 
   private:
     struct Substep;
+    struct Potential {
+        double total_J = 0.0;
+        std::vector<double> twist_rad{};  ///< of each held stretch
+    };
     void set_masses();
     bool advance(Substep& sub);
-    double potential(const Substep& sub, const std::vector<Eigen::Vector3d>& x) const;
-    void assemble(const Substep& sub, bool with_hessian);
+    /// First guess: nodes that gather as much speed as in the last tick, where that has less potential than
+    /// constant speed. Carried thread then needs one Newton iteration instead of three.
+    void try_gathering_speed(Substep& sub);
+    Potential potential(const Substep& sub, const std::vector<Eigen::Vector3d>& x) const;
+    void assemble(Substep& sub, bool with_hessian);
     void add_surface_terms(const Substep& sub, bool with_hessian);
     void add_inertia_terms(const Substep& sub, bool with_hessian);
     void add_elastic_terms(bool with_hessian);
-    void add_twist_gradient(const Substep& sub);
+    void add_twist_gradient(Substep& sub);
     double elastic_energy(const std::vector<Eigen::Vector3d>& x) const;
-    double twist_energy(const Boundary& boundary, const std::vector<Eigen::Vector3d>& x) const;
+    std::vector<double> twists(const Boundary& boundary, const std::vector<Eigen::Vector3d>& x) const;
+    double twist_energy(const Boundary& boundary, const std::vector<double>& twist_rad,
+                        const std::vector<Eigen::Vector3d>& x) const;
     double surface_potential(const Substep& sub, const std::vector<Eigen::Vector3d>& x) const;
     double span_length_m(const TwistSpan& span) const;
     double node_drag(size_t i) const {
@@ -90,7 +99,11 @@ class Rod final : public ThreadDynamics {
     }
     void lag_friction(Substep& sub) const;
     void remember_contacts(const Substep& sub);
-    bool search_line(const Substep& sub, double slope, const Eigen::VectorXd& multiplier_force);
+    void zero_where_fixed(const Substep& sub, Eigen::VectorXd& rows) const;
+    /// Puts the twisting stiffness into the direction: GJ/L t t^T of each held stretch, dense but of rank one
+    /// (Sherman and Morrison 1950). Stretches end in held edges, so one doesn't couple to another.
+    void stiffen_by_twist(const Substep& sub);
+    bool search_line(Substep& sub, double slope);
     void solve_self_contacts(Substep& sub, Eigen::VectorXd& multiplier_force);
     bool came_through_itself(const Substep& sub) const;
 
@@ -99,6 +112,7 @@ class Rod final : public ThreadDynamics {
     std::vector<double> mass_kg_;
     std::vector<Eigen::Vector3d> x_;  // nodes of the step in work
     std::vector<Eigen::Vector3d> trial_;
+    std::vector<Eigen::Vector3d> last_v_W_;  // at the start of the last tick; empty: not known
     Eigen::VectorXd gradient_, direction_;
     BandedLdlt matrix_;
     SelfContactSolver self_contact_;

@@ -7,12 +7,6 @@ namespace atropos::sim {
 
 // Energies of a discrete elastic rod (Bergou et al. 2008, 2010), naturally straight, of round section.
 
-inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
-    Eigen::Matrix3d m;
-    m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-    return m;
-}
-
 /// Stretching of one edge: energy EA/2 (|e|/l - 1)^2 l.
 struct Stretch {
     Eigen::Vector3d force;  ///< dE/de, along the edge: its tension
@@ -48,11 +42,35 @@ struct CurvatureBinormal {
         denominator = std::max(l0 * l1 + e0.dot(e1), 0.04 * l0 * l1);
         kb = 2.0 * e0.cross(e1) / denominator;
     }
-    Eigen::Matrix3d by_e0(const Eigen::Vector3d& e1) const {
-        return (-2.0 * cross_matrix(e1) - kb * e1.transpose()) / denominator;
-    }
-    Eigen::Matrix3d by_e1(const Eigen::Vector3d& e0) const {
-        return (2.0 * cross_matrix(e0) - kb * e0.transpose()) / denominator;
+};
+
+/// Derivatives of |kb|^2 / 2 by the two edges, e0 and e1: with B0 = dkb/de0 = (-2 [e1]x - kb e1^T) / D and
+/// B1 = dkb/de1 = (2 [e0]x - kb e0^T) / D, where kb is normal to both, multiplied out.
+struct BendingGradient {
+    Eigen::Vector3d by_e0, by_e1;  ///< B0^T kb, B1^T kb
+
+    BendingGradient(const CurvatureBinormal& c, const Eigen::Vector3d& e0, const Eigen::Vector3d& e1)
+        : by_e0(-(2.0 * c.kb.cross(e1) + c.kb.squaredNorm() * e1) / c.denominator),
+          by_e1((2.0 * c.kb.cross(e0) - c.kb.squaredNorm() * e0) / c.denominator) {}
+};
+
+/// Gauss-Newton: definite whatever the shape.
+struct BendingHessian {
+    Eigen::Matrix3d H00, H10, H11;  ///< stiffness times B0^T B0, B1^T B0, B1^T B1
+
+    BendingHessian(const CurvatureBinormal& c, const Eigen::Vector3d& e0, const Eigen::Vector3d& e1,
+                   double stiffness) {
+        const double scale = stiffness / (c.denominator * c.denominator), kb2 = c.kb.squaredNorm();
+        const Eigen::Vector3d f0 = scale * e0, f1 = scale * e1;
+        const Eigen::Vector3d a0 = 2.0 * c.kb.cross(f0), a1 = 2.0 * c.kb.cross(f1);
+        const Eigen::Vector3d u0 = (kb2 - 4.0) * f0 - a0, u1 = (kb2 - 4.0) * f1 + a1;
+        const Eigen::Vector3d u10 = kb2 * f0 - a0, f1_4 = 4.0 * f1;
+        H00.noalias() = u1 * e1.transpose() + e1 * a1.transpose();
+        H11.noalias() = u0 * e0.transpose() - e0 * a0.transpose();
+        H10.noalias() = u10 * e1.transpose() + f1_4 * e0.transpose() + e0 * a1.transpose();
+        H00.diagonal().array() += f1_4.dot(e1);
+        H11.diagonal().array() += 4.0 * f0.dot(e0);
+        H10.diagonal().array() -= f1_4.dot(e0);
     }
 };
 

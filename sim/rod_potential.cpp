@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "sim/rod_energy.hpp"
 #include "sim/rod_substep.hpp"
@@ -79,13 +80,18 @@ double Rod::twist_at(const TwistSpan& span, const std::vector<Vector3d>& x) cons
     return angle + 2.0 * std::numbers::pi * std::round((span.twist_rad - angle) / (2.0 * std::numbers::pi));
 }
 
-double Rod::twist_energy(const Boundary& boundary, const std::vector<Vector3d>& x) const {
+std::vector<double> Rod::twists(const Boundary& boundary, const std::vector<Vector3d>& x) const {
+    std::vector<double> result;
+    for (const TwistSpan& span : boundary.twists) result.push_back(twist_at(span, x));
+    return result;
+}
+
+double Rod::twist_energy(const Boundary& boundary, const std::vector<double>& twist_rad,
+                         const std::vector<Vector3d>& x) const {
     if (memory_.is_on()) return memory_.energy_J(state_, x);
     double sum = 0.0;
-    for (const TwistSpan& span : boundary.twists) {
-        const double twist = twist_at(span, x);
-        sum += 0.5 * parameters_.GJ_N_m2 / span_length_m(span) * twist * twist;
-    }
+    for (size_t k = 0; k < twist_rad.size(); ++k)
+        sum += 0.5 * parameters_.GJ_N_m2 / span_length_m(boundary.twists[k]) * twist_rad[k] * twist_rad[k];
     return sum;
 }
 
@@ -102,14 +108,15 @@ double Rod::surface_potential(const Substep& sub, const std::vector<Vector3d>& x
     return sum;
 }
 
-double Rod::potential(const Substep& sub, const std::vector<Vector3d>& x) const {
-    double sum = elastic_energy(x) + twist_energy(*sub.boundary, x) + surface_potential(sub, x);
+Rod::Potential Rod::potential(const Substep& sub, const std::vector<Vector3d>& x) const {
+    std::vector<double> twist_rad = twists(*sub.boundary, x);
+    double sum = elastic_energy(x) + twist_energy(*sub.boundary, twist_rad, x) + surface_potential(sub, x);
     const double inertia = 0.5 / (sub.h * sub.h), drag = 0.5 / sub.h;
     for (size_t i = 0; i < x.size(); ++i) {
         sum += mass_kg_[i] * inertia * (x[i] - sub.x_inertial[i]).squaredNorm();
         sum += node_drag(i) * drag * (x[i] - sub.x_start[i]).squaredNorm();
     }
-    return sum;
+    return {sum, std::move(twist_rad)};
 }
 
 void Rod::lag_friction(Substep& sub) const {
@@ -135,7 +142,7 @@ void Rod::remember_contacts(const Substep& sub) {
     }
 }
 
-void Rod::assemble(const Substep& sub, bool with_hessian) {
+void Rod::assemble(Substep& sub, bool with_hessian) {
     gradient_.setZero(3 * state_.node_count());
     if (with_hessian) matrix_.reset(3 * state_.node_count());
     add_inertia_terms(sub, with_hessian);
@@ -172,15 +179,13 @@ void Rod::add_elastic_terms(bool with_hessian) {
         const double l0 = state_.rest_length_m(i - 1);
         const CurvatureBinormal c(e0, e1, l0, l1);
         const double stiffness = 2.0 * parameters_.EI_N_m2 / (l0 + l1);
-        const Matrix3d B0 = c.by_e0(e1), B1 = c.by_e1(e0);
-        const Vector3d g0 = stiffness * (B0.transpose() * c.kb), g1 = stiffness * (B1.transpose() * c.kb);
+        const BendingGradient bending(c, e0, e1);
+        const Vector3d g0 = stiffness * bending.by_e0, g1 = stiffness * bending.by_e1;
         gradient_.segment<3>(3 * i - 3) -= g0;
         gradient_.segment<3>(3 * i) += g0 - g1;
         gradient_.segment<3>(3 * i + 3) += g1;
-        if (with_hessian) {  // Gauss-Newton: definite whatever the shape
-            const Matrix3d H00 = stiffness * B0.transpose() * B0;
-            const Matrix3d H10 = stiffness * B1.transpose() * B0;
-            const Matrix3d H11 = stiffness * B1.transpose() * B1;
+        if (with_hessian) {
+            const auto [H00, H10, H11] = BendingHessian(c, e0, e1, stiffness);
             matrix_.add_block(i - 1, i - 1, H00);
             matrix_.add_block(i, i - 1, H10 - H00);
             matrix_.add_block(i + 1, i - 1, -H10);
@@ -206,13 +211,15 @@ std::vector<Vector3d> Rod::twist_gradient(const TwistSpan& span, const std::vect
     return result;
 }
 
-void Rod::add_twist_gradient(const Substep& sub) {
+void Rod::add_twist_gradient(Substep& sub) {
     if (memory_.is_on()) return memory_.add_gradient(state_, x_, gradient_);
-    for (const TwistSpan& span : sub.boundary->twists) {
-        const double torque = parameters_.GJ_N_m2 / span_length_m(span) * twist_at(span, x_);
-        const std::vector<Vector3d> gradient = twist_gradient(span, x_);
+    sub.by_twist.clear();
+    for (size_t k = 0; k < sub.boundary->twists.size(); ++k) {
+        const TwistSpan& span = sub.boundary->twists[k];
+        const double torque = parameters_.GJ_N_m2 / span_length_m(span) * sub.at_x.twist_rad[k];
+        sub.by_twist.push_back(twist_gradient(span, x_));
         for (int i = span.first_edge; i <= span.last_edge + 1; ++i)
-            gradient_.segment<3>(3 * i) += torque * gradient[at(i)];
+            gradient_.segment<3>(3 * i) += torque * sub.by_twist[k][at(i)];
     }
 }
 
@@ -247,7 +254,8 @@ void Rod::add_surface_terms(const Substep& sub, bool with_hessian) {
 }
 
 double Rod::energy_J(const Boundary& boundary) const {
-    double sum = elastic_energy(state_.p_W) + twist_energy(boundary, state_.p_W);
+    double sum =
+        elastic_energy(state_.p_W) + twist_energy(boundary, twists(boundary, state_.p_W), state_.p_W);
     for (size_t i = 0; i < mass_kg_.size(); ++i)
         sum +=
             mass_kg_[i] * (0.5 * state_.v_W[i].squaredNorm() - parameters_.gravity_W_m_s2.dot(state_.p_W[i]));

@@ -14,6 +14,8 @@ struct Rod::Substep {
     std::vector<SurfaceContact> contacts;  ///< planes as they stand at the end of the step
     std::vector<double> lagged_normal_N;   ///< normal forces that friction goes by in this Newton iteration
     Eigen::VectorXd multiplier_force;      ///< J^T lambda of self contact
+    Potential at_x;                        ///< at the nodes as they stand in this iteration
+    std::vector<std::vector<Eigen::Vector3d>> by_twist;  ///< derivative of each held stretch's twist there
 };
 
 }  // namespace atropos::sim

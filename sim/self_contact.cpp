@@ -43,23 +43,31 @@ std::vector<EdgePair> near_edge_pairs(const ThreadState& state, const std::vecto
                                       double diameter_m, double reach_m) {
     const int edges = state.edge_count();
     const std::vector<Box> boxes = block_boxes(x, edges);
+    struct Ball {  // around an edge
+        Eigen::Vector3d centre;
+        double radius_m;
+    };
+    std::vector<Ball> balls;
+    balls.reserve(x.size());
+    for (size_t i = 0; i + 1 < x.size(); ++i)
+        balls.push_back({0.5 * (x[i] + x[i + 1]), 0.5 * (x[i + 1] - x[i]).norm()});
     std::vector<EdgePair> pairs;
     const auto consider = [&](int a, int b) {
-        if (!state.has_edge(a) || !state.has_edge(b)) return;
         const auto ia = static_cast<size_t>(a), ib = static_cast<size_t>(b);
+        const double reach = reach_m + balls[ia].radius_m + balls[ib].radius_m;
+        if ((balls[ia].centre - balls[ib].centre).squaredNorm() >= reach * reach) return;
+        if (!state.has_edge(a) || !state.has_edge(b)) return;
         // Along the material, so that the two faces of a fresh cut do not count as thread through thread.
-        if (b - a < kMinEdgesApart || state.s_m[ib] - state.s_m[ia + 1] < kMinDiametersApart * diameter_m)
-            return;
-        const Eigen::Vector3d between = 0.5 * (x[ia] + x[ia + 1] - x[ib] - x[ib + 1]);
-        const double half = 0.5 * ((x[ia + 1] - x[ia]).norm() + (x[ib + 1] - x[ib]).norm());
-        if (between.squaredNorm() < (reach_m + half) * (reach_m + half)) pairs.push_back({a, b});
+        if (state.s_m[ib] - state.s_m[ia + 1] < kMinDiametersApart * diameter_m) return;
+        pairs.push_back({a, b});
     };
     const int blocks = static_cast<int>(boxes.size());
     for (int p = 0; p < blocks; ++p)
         for (int q = p; q < blocks; ++q) {
             if (apart(boxes[static_cast<size_t>(p)], boxes[static_cast<size_t>(q)], reach_m)) continue;
             for (int a = p * kBlock; a < std::min((p + 1) * kBlock, edges); ++a)
-                for (int b = std::max(q * kBlock, a + 1); b < std::min((q + 1) * kBlock, edges); ++b)
+                for (int b = std::max(q * kBlock, a + kMinEdgesApart); b < std::min((q + 1) * kBlock, edges);
+                     ++b)
                     consider(a, b);
         }
     std::sort(pairs.begin(), pairs.end(),
