@@ -104,6 +104,21 @@ bool print_verdicts(const std::string& camera, const Row* rows) {
     return met;
 }
 
+/// The shares within one stated sigma over the frames of all accelerations.
+void print_coverage(const Row* rows) {
+    for (std::size_t m = 0; m < 2; ++m) {
+        double across = 0.0, along = 0.0, frames = 0.0;
+        for (int i = 0; i < 5; ++i) {
+            const double tracked = rows[i].method[m].frames - rows[i].method[m].lost_frames;
+            across += tracked * rows[i].across[m];
+            along += tracked * rows[i].along[m];
+            frames += tracked;
+        }
+        std::printf("- %s, within one sigma over all frames: %.0f %% across the ray, %.0f %% along it\n",
+                    m == 0 ? "E1" : "E2", 100.0 * across / frames, 100.0 * along / frames);
+    }
+}
+
 }  // namespace
 
 int print_paper_table(const std::string& camera, const std::string& folder, int frames) {
@@ -130,6 +145,7 @@ int print_paper_table(const std::string& camera, const std::string& folder, int 
         for (std::size_t m = 0; m < 2; ++m) print_method(m, i + 1, rows[i], disparity_m);
     }
     std::printf("\n");
+    print_coverage(rows);
     return print_verdicts(camera, rows) ? 0 : 1;
 }
 

@@ -14,6 +14,7 @@
 #include "tracker/chain_icm.hpp"
 #include "tracker/label_set.hpp"
 #include "tracker/stereo_cost_images.hpp"
+#include "tracker/thread_initialiser.hpp"
 
 namespace atropos::tracker {
 namespace {
@@ -60,6 +61,34 @@ struct Scene {
     std::vector<double> speeds;
     std::array<std::optional<MeasuredTip>, 2> tips;
 };
+
+TEST(Eye, sees_every_point_where_the_rig_projects_it) {
+    const scenes::StereoRig rig = distorted_converging_rig();
+    const std::array<Eye, 2> eyes = make_eyes(rig);
+    scenes::RandomStream random(2, "points");
+    for (int i = 0; i < 100; ++i) {
+        const Eigen::Vector3d p_C(random.uniform(-0.04, 0.04), random.uniform(-0.02, 0.02),
+                                  random.uniform(0.08, 0.12));
+        EXPECT_NEAR((eyes[0].pixel(eyes[0].homogeneous(p_C)) - rig.project_left(p_C)).norm(), 0.0, 1e-10);
+        EXPECT_NEAR((eyes[1].pixel(eyes[1].homogeneous(p_C)) - rig.project_right(p_C)).norm(), 0.0, 1e-10);
+    }
+}
+
+TEST(Energy, of_a_stretched_line_over_empty_images_is_what_its_equations_say) {  // eq. 4-7 and 19
+    Scene scene(scenes::parallel_rig(640, 360, 575.0, 0.005));
+    StereoFrame empty;
+    empty.left = empty.right = cv::Mat1b(360, 640, std::uint8_t{90});
+    scene.images.make(empty, scene.pool);
+    const Eigen::Vector3d from(-0.02, 0.0, 0.1), to(0.02, 0.01, 0.11);
+    scene.control_points = straight_line(3, 8, from, to);
+    scene.speeds.assign(scene.speeds.size(), (to - from).norm() / 1.1);
+    scene.tips = {MeasuredTip{.p_C = from + Eigen::Vector3d(0.0, 0.003, 0.004)}, MeasuredTip{.p_C = to}};
+    const EnergyTerms found = energy(scene.context(), scene.control_points);
+    EXPECT_NEAR(found.data, 15.0, 1e-5);     // both eyes' truncation, halved and summed
+    EXPECT_NEAR(found.length, 0.01, 1e-12);  // a tenth too long everywhere
+    EXPECT_NEAR(found.tips, 20000.0 * 0.005, 1e-9);
+    EXPECT_NEAR(found.total, 15.0 + 50.0 * 0.01 + 100.0, 1e-5);
+}
 
 TEST(CurveSampling, weights_sum_to_one_at_every_sample) {  // eq. 14 and 18
     for (int K = 4; K <= 20; K += 4) {
