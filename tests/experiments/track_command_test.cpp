@@ -56,9 +56,10 @@ class TrackCommandTest : public TemporaryFolder {
 
     Outcome track(const std::string& words = "--method e2", const std::string& to = "track") const {
         const fs::path complaint = folder_ / "complaint.txt";
-        const std::string command = std::string(ATROPOS_PROGRAM) + " track " +
-                                    (folder_ / "sequence").string() + " -o " + (folder_ / to).string() +
-                                    " --quiet " + words + " 2> " + complaint.string();
+        const auto quoted = [](const fs::path& path) { return "'" + path.string() + "'"; };
+        const std::string command = quoted(ATROPOS_PROGRAM) + " track " + quoted(folder_ / "sequence") +
+                                    " -o " + quoted(folder_ / to) + " --quiet " + words + " 2> " +
+                                    quoted(complaint);
         const int status = std::system(command.c_str());
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(complaint)};
     }
