@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "experiments/arm_reading.hpp"
 #include "robot/frame_tree.hpp"
 #include "robot/recording.hpp"
 #include "robot/robot_arm.hpp"
@@ -11,9 +12,6 @@
 #include "sim/world.hpp"
 
 namespace atropos::experiments {
-
-constexpr int kArms = 3;  ///< PSM1, PSM2, PSM3
-constexpr int kScissorsArm = 2;
 
 /// The key section of arm 0, 1 or 2.
 const scenes::ArmConfig& arm_config(const scenes::SceneConfig& scene, int arm);

@@ -42,10 +42,8 @@ class EndoscopeView {
     View capture_curve(const Testbed& testbed, const scenes::Polyline& curve_C, int frame);
     std::string description() const { return endoscope_.description(); }
 
-    /// What an arm's instrument is drawn from.
-    const render::InstrumentModel& instrument(int arm) const {
-        return instruments_[static_cast<size_t>(arm)];
-    }
+    /// What the arms' instruments are drawn from.
+    const std::array<render::InstrumentModel, kArms>& instruments() const { return instruments_; }
 
   private:
     std::vector<scenes::RenderItem> items(const Testbed& testbed) const;

@@ -105,7 +105,7 @@ void track_job(const JobSpec& job, const fs::path& sequence_folder, const fs::pa
 void run_job(const JobSpec& job, const fs::path& folder, Keep keep) {
     const auto begin = Clock::now();
     std::string log;
-    ClosedLoop::TrackerMaker external;
+    TrackerMaker external;
     if (!job.command.empty())
         external = [&](const scenes::StereoRig& rig) {
             return make_external_tracker({job.command}, rig, log, true);

@@ -85,17 +85,17 @@ InstrumentSight::InstrumentSight(const render::InstrumentModel& model, const Sig
     P_ = P0_;
 }
 
-void InstrumentSight::predict(const robot::RobotArm& arm) {
-    const robot::ArmState before = measured_;
-    arm_ = &arm;
-    measured_ = arm.measured().value;
+void InstrumentSight::predict(const ArmReading& arm) {
+    const robot::ArmState before = arm_.measured;
+    arm_ = arm;
+    const robot::ArmState& measured = arm_.measured;
     seen_ = false;
     if (!started_) {
         started_ = true;
         return;
     }
-    const double way_m = (measured_.X_CT.translation() - before.X_CT.translation()).norm();
-    const double dt_s = std::max(0.0, measured_.time_s - before.time_s);
+    const double way_m = (measured.X_CT.translation() - before.X_CT.translation()).norm();
+    const double dt_s = std::max(0.0, measured.time_s - before.time_s);
     const double keep = std::exp(-(way_m + kCreep_m_s * dt_s) / kForget_m);
     x_.head<3>() *= keep;
     Parameters scale = Parameters::Ones(), noise = Parameters::Zero();
@@ -103,7 +103,7 @@ void InstrumentSight::predict(const robot::RobotArm& arm) {
     noise.head<3>() = (1.0 - keep * keep) * P0_.diagonal().head<3>();
     // Within the play the joint stays where it is while the cable moves.
     for (int i = 0; i < 3; ++i) {
-        const double turn = measured_.q[3 + i] - before.q[3 + i], play = prior_.play_rad[i];
+        const double turn = measured.q[3 + i] - before.q[3 + i], play = prior_.play_rad[i];
         x_[3 + i] = std::clamp(x_[3 + i] - turn, -play, play);
         noise[3 + i] =
             std::pow(kTurnNoise * turn, 2) + (play > 0.0 ? dt_s * std::pow(kTurnNoise_rad, 2) / 0.033 : 0.0);
@@ -113,20 +113,20 @@ void InstrumentSight::predict(const robot::RobotArm& arm) {
 }
 
 InstrumentSight::Links InstrumentSight::links_C(const Parameters& x) const {
-    robot::Joints q = measured_.q;
+    robot::Joints q = arm_.measured.q;
     q.tail<3>() += x.tail<3>();
-    Links links = arm_->psm().link_poses(q, measured_.jaw_rad);
+    Links links = arm_.psm->link_poses(q, arm_.measured.jaw_rad);
     for (Isometry3d& link : links) {
-        link = arm_->X_CB() * link;
+        link = arm_.X_CB * link;
         link.translation() += x.head<3>();
     }
     return links;
 }
 
 Isometry3d InstrumentSight::X_CT(const Parameters& x) const {
-    robot::Joints q = measured_.q;
+    robot::Joints q = arm_.measured.q;
     q.tail<3>() += x.tail<3>();
-    Isometry3d X = arm_->X_CB() * arm_->psm().forward(q);
+    Isometry3d X = arm_.X_CB * arm_.psm->forward(q);
     X.translation() += x.head<3>();
     return X;
 }
@@ -136,11 +136,11 @@ Isometry3d InstrumentSight::X_CT() const {
 }
 
 std::vector<scenes::Capsule> InstrumentSight::capsules_C() const {
-    robot::Joints q = measured_.q;
+    robot::Joints q = arm_.measured.q;
     q.tail<3>() += x_.tail<3>();
-    auto capsules = arm_->psm().capsules(q, measured_.jaw_rad);
+    auto capsules = arm_.psm->capsules(q, arm_.measured.jaw_rad);
     for (scenes::Capsule& c : capsules)
-        c = {arm_->X_CB() * c.a + x_.head<3>(), arm_->X_CB() * c.b + x_.head<3>(), c.radius_m};
+        c = {arm_.X_CB * c.a + x_.head<3>(), arm_.X_CB * c.b + x_.head<3>(), c.radius_m};
     return capsules;
 }
 
@@ -161,7 +161,7 @@ std::optional<robot::InstrumentOffset> InstrumentSight::offset(const Vector3d& p
     const Vector3d p_C = X_CT() * p_T, ray = p_C.normalized();
     const Matrix3d C = covariance(p_T);
     const double depth = ray.dot(C * ray), lateral = 0.5 * (C.trace() - depth);
-    return robot::InstrumentOffset{measured_.time_s, p_C - measured_.X_CT * p_T, std::sqrt(lateral),
+    return robot::InstrumentOffset{arm_.measured.time_s, p_C - arm_.measured.X_CT * p_T, std::sqrt(lateral),
                                    std::sqrt(depth)};
 }
 
@@ -273,9 +273,9 @@ void InstrumentSights::learn(size_t eye, const cv::Mat& image) {
 }
 
 void InstrumentSights::look(const cv::Mat& left, const cv::Mat& right,
-                            const std::vector<const robot::RobotArm*>& arms) {
+                            const std::array<ArmReading, kArms>& arms) {
     const std::array<const cv::Mat*, 2> images = {&left, &right};
-    for (size_t i = 0; i < sights_.size(); ++i) sights_[i].predict(*arms[i]);
+    for (size_t i = 0; i < sights_.size(); ++i) sights_[i].predict(arms[i]);
     const auto label = [&](size_t eye) {
         eyes_[eye].labels = cv::Mat::zeros(images[eye]->size(), CV_8U);
         for (size_t i = 0; i < sights_.size(); ++i)

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "experiments/arm_reading.hpp"
 #include "experiments/instrument_colours.hpp"
 #include "experiments/instrument_outline.hpp"
-#include "robot/robot_arm.hpp"
 #include "robot/scissors_input.hpp"
 #include "scenes/stereo_rig.hpp"
 
@@ -40,7 +40,7 @@ class InstrumentSight {
     InstrumentSight(const render::InstrumentModel& model, const SightPrior& prior);
 
     /// Carries the belief on to what `arm` measures now.
-    void predict(const robot::RobotArm& arm);
+    void predict(const ArmReading& arm);
 
     /// Fits the outline to both eyes; false when too little of it is seen. `number`: of this arm in the
     /// labels.
@@ -70,8 +70,7 @@ class InstrumentSight {
     InstrumentOutline outline_;
     SightPrior prior_;
     Covariance P0_;
-    const robot::RobotArm* arm_ = nullptr;
-    robot::ArmState measured_;
+    ArmReading arm_;
     bool started_ = false, seen_ = false;
     Parameters x_ = Parameters::Zero();
     Covariance P_;
@@ -87,7 +86,7 @@ class InstrumentSights {
     InstrumentSights& operator=(const InstrumentSights&) = delete;
 
     /// Images are BGR, 8 bit.
-    void look(const cv::Mat& left, const cv::Mat& right, const std::vector<const robot::RobotArm*>& arms);
+    void look(const cv::Mat& left, const cv::Mat& right, const std::array<ArmReading, kArms>& arms);
 
     const InstrumentSight& operator[](int arm) const { return sights_[static_cast<size_t>(arm)]; }
 

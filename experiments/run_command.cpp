@@ -33,7 +33,7 @@ int run(const RunOptions& options) {
     OutputFolder output(options.output, options.common.force);
     const auto start = std::chrono::steady_clock::now();
     std::string log;
-    ClosedLoop::TrackerMaker external;
+    TrackerMaker external;
     if (!options.external.command.empty())
         external = [&](const scenes::StereoRig& rig) {
             return make_external_tracker(options.external, rig, log, options.common.quiet);

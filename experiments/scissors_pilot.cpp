@@ -1,0 +1,156 @@
+#include "experiments/scissors_pilot.hpp"
+
+#include "robot/imperfection.hpp"
+#include "scenes/scene_file.hpp"
+#include "tracker/cut_check.hpp"
+
+namespace atropos::experiments {
+using Eigen::Vector3d;
+namespace {
+
+// One sigma of a tip's error in each axis without the wrist's play: hand-eye and the first three joints.
+constexpr double kCalibratedShift_m = 0.0008, kUncalibratedShift_m = 0.0022;
+
+robot::CutEvidence evidence(tracker::CutVerdict verdict) {
+    switch (verdict) {
+        case tracker::CutVerdict::kCut:
+            return robot::CutEvidence::kCut;
+        case tracker::CutVerdict::kIntact:
+            return robot::CutEvidence::kIntact;
+        default:
+            return robot::CutEvidence::kUnknown;
+    }
+}
+
+}  // namespace
+
+robot::ScissorsOptions scissors_options(const scenes::SceneConfig& scene) {
+    robot::ScissorsOptions options;
+    options.place.fraction = scene.cut.fraction;
+    options.tolerance_m = scene.cut.tolerance_m;
+    options.max_attempts = scene.cut.max_attempts;
+    // RMS of the blade point in C before images help (docs/arms.md).
+    switch (scene.arms.accuracy) {
+        case scenes::ArmAccuracy::kPerfect:
+            options.registration_sigma_m = 1e-5;
+            break;
+        case scenes::ArmAccuracy::kCalibrated:
+            options.registration_sigma_m = 0.0031;
+            break;
+        case scenes::ArmAccuracy::kAsRecorded:
+            options.registration_sigma_m = 0.0038;
+            break;
+        case scenes::ArmAccuracy::kUncalibrated:
+            options.registration_sigma_m = 0.0047;
+            break;
+    }
+    options.p_CR = scenes::scene_rig(scene.camera).X_RC.inverse().translation();
+    return options;
+}
+
+ScissorsPilot::ScissorsPilot(const scenes::SceneConfig& scene, const scenes::StereoRig& rig,
+                             const ArmReadings& arms,
+                             const std::array<render::InstrumentModel, kArms>& instruments,
+                             robot::PsmArm& scissors, const TrackerMaker& make_tracker)
+    : scene_(scene),
+      rig_(rig),
+      tracker_(make_tracker ? make_tracker(rig) : tracker::make_tracker(scene.tracking.tracker, rig)) {
+    robot::ScissorsOptions options = scissors_options(scene_);
+    for (size_t end : {0, 1}) options.X_TG[end] = arms[end].psm->tool().X_TG;
+    if (scene_.arms.accuracy != scenes::ArmAccuracy::kPerfect) {
+        const SightPrior prior{scene_.arms.accuracy == scenes::ArmAccuracy::kUncalibrated
+                                   ? kUncalibratedShift_m
+                                   : kCalibratedShift_m,
+                               robot::Imperfection::of(scene_.arms.accuracy).play};
+        std::vector<InstrumentSight> sights;
+        for (const render::InstrumentModel& instrument : instruments) sights.emplace_back(instrument, prior);
+        sights_ = std::make_unique<InstrumentSights>(rig_, std::move(sights));
+    }
+    command_ = std::make_unique<robot::ScissorsCommand>(options, scissors, arms[kScissorsArm].X_CB);
+}
+
+/// Finds each instrument in the images; the tracker gets instruments and grips where they are seen.
+void ScissorsPilot::look_at_instruments(tracker::StereoFrame& frame, const ArmReadings& arms) {
+    if (sights_) sights_->look(frame.left, frame.right, arms);
+    for (int arm = 0; arm < kArms; ++arm) {
+        const auto index = static_cast<size_t>(arm);
+        const auto capsules = sights_ ? (*sights_)[arm].capsules_C() : arms[index].capsules_C();
+        frame.instruments.insert(frame.instruments.end(), capsules.begin(), capsules.end());
+        if (arm == kScissorsArm || scene_.tracking.tips == scenes::TipSource::kNone) continue;
+        const Vector3d seen_C = sights_ ? (*sights_)[arm].X_CT() * arms[index].psm->tool().X_TG.translation()
+                                        : arms[index].grip_C();
+        frame.tips[index] = tracker::MeasuredTip{told_tips_C_ ? (*told_tips_C_)[index] : seen_C,
+                                                 tracker::MeasuredTip::Kind::kHeld};
+    }
+}
+
+std::optional<robot::CutCheck> ScissorsPilot::check_cut(const tracker::StereoFrame& frame) const {
+    if (status().state != robot::ScissorsState::kVerify || before_close_.samples.empty()) return std::nullopt;
+    tracker::CutCheckOptions options;
+    const scenes::TrackerConfig& config = scene_.tracking.tracker;
+    options.width_m = config.thread.width_m;
+    options.polarity = config.thread.polarity;
+    options.channel = config.thread.channel;
+    options.contrast_levels = config.refined.contrast_levels;
+    options.instrument_sigma_m = config.refined.instrument_sigma_m;
+    const double s_m = scene_.cut.fraction * before_close_.length_m();
+    const tracker::CutCheck seen = tracker::check_cut(frame, rig_, before_close_, s_m, options);
+    return robot::CutCheck{frame.capture_time_s, evidence(seen.verdict)};
+}
+
+const tracker::TrackResult* ScissorsPilot::see(int frame, double time_s, const cv::Mat& left,
+                                               const cv::Mat& right, const ArmReadings& arms) {
+    if (time_s + 1e-9 < next_track_s_) return nullptr;
+    if (scene_.tracking.rate_hz > 0.0) next_track_s_ += 1.0 / scene_.tracking.rate_hz;
+    tracker::StereoFrame f;
+    f.index = frame;
+    f.capture_time_s = time_s;
+    f.left = left;
+    f.right = right;
+    look_at_instruments(f, arms);
+    const tracker::TrackResult& tracked = tracker_->track(f);
+    if (status().close_time_s < 0.0) before_close_ = tracked.estimate;
+    Message message{time_s + scene_.tracking.latency_s,
+                    substitute_ ? substitute_(tracked.estimate) : tracked.estimate,
+                    {},
+                    check_cut(f)};
+    for (int arm = 0; arm < kArms && sights_; ++arm) {
+        const robot::Tool& tool = arms[static_cast<size_t>(arm)].psm->tool();
+        message.offsets[static_cast<size_t>(arm)] =
+            (*sights_)[arm].offset((tool.X_TS ? *tool.X_TS : tool.X_TG).translation());
+    }
+    under_way_.push_back(std::move(message));
+    return &tracked;
+}
+
+robot::ScissorsInput ScissorsPilot::input(double time_s, const ArmReadings& arms) {
+    robot::ScissorsInput input;
+    input.time_s = time_s;
+    input.commanded = time_s >= scene_.cut.at_s;
+    arrived_.reset();
+    while (!under_way_.empty() && under_way_.front().arrives_s <= time_s + 1e-9) {
+        arrived_ = under_way_.front();
+        under_way_.erase(under_way_.begin());
+    }
+    if (arrived_) {
+        input.estimate = &arrived_->estimate;
+        input.blade_offset = arrived_->offsets[kScissorsArm];
+        for (size_t end : {0, 1}) input.grip_offsets[end] = arrived_->offsets[end];
+        input.cut_check = arrived_->cut_check;
+    }
+    input.scissors.value = arms[kScissorsArm].measured;
+    others_C_.clear();
+    for (size_t arm : {0, 1}) {
+        input.holders[arm] = {arms[arm].measured};
+        const auto capsules = arms[arm].capsules_C();
+        others_C_.insert(others_C_.end(), capsules.begin(), capsules.end());
+    }
+    input.others_C = others_C_;
+    return input;
+}
+
+void ScissorsPilot::step(double time_s, const ArmReadings& arms) {
+    command_->step(input(time_s, arms));
+}
+
+}  // namespace atropos::experiments
