@@ -61,19 +61,26 @@ std::vector<TruthSample> truth_samples(const sim::ThreadTruth& thread, const Iso
     return samples;
 }
 
+std::array<render::InstrumentModel, kArms> load_instruments(const scenes::SceneConfig& scene) {
+    std::array<render::InstrumentModel, kArms> instruments;
+    for (int arm = 0; arm < kArms; ++arm) {
+        const std::string_view tool = robot::tool(arm_config(scene, arm).tool).name;
+        const std::string folder = "meshes/" + render::instrument_folder(tool);
+        instruments[static_cast<size_t>(arm)] =
+            render::load_instrument(scenes::resolve_path("", folder).string());
+    }
+    return instruments;
+}
+
 EndoscopeView::EndoscopeView(const Testbed& testbed)
     : endoscope_(endoscope_options(testbed.scene().render), testbed.rig()),
       sensor_(render::sensor_preset(
                   testbed.scene().sensor.preset == scenes::SensorPreset::kIdeal ? "ideal" : "realistic"),
               testbed.rig(), testbed.scene().seed),
       look_(render::thread_look(testbed.scene().thread.colour,
-                                testbed.scene().thread.braided ? "braided" : "monofilament")) {
+                                testbed.scene().thread.braided ? "braided" : "monofilament")),
+      instruments_(load_instruments(testbed.scene())) {
     if (testbed.tissue()) testbed.tissue()->add_textures(endoscope_);
-    for (int arm = 0; arm < kArms; ++arm) {
-        const std::string folder = "meshes/" + render::instrument_folder(testbed.arm(arm).psm().tool().name);
-        instruments_[static_cast<size_t>(arm)] =
-            render::load_instrument(scenes::resolve_path("", folder).string());
-    }
 }
 
 std::vector<scenes::RenderItem> EndoscopeView::items(const Testbed& testbed) const {

@@ -57,6 +57,9 @@ class EndoscopeView {
     std::array<render::InstrumentModel, kArms> instruments_;
 };
 
+/// What the instruments of a scene's arms are drawn from. Throws std::runtime_error when a mesh is missing.
+std::array<render::InstrumentModel, kArms> load_instruments(const scenes::SceneConfig& scene);
+
 /// Samples of every strand: 101 over the judged span, and its tails.
 std::vector<TruthSample> truth_samples(const sim::ThreadTruth& thread, const Eigen::Isometry3d& X_CW);
 

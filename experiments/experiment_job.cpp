@@ -10,8 +10,8 @@
 #include "experiments/output_folder.hpp"
 #include "experiments/overlay.hpp"
 #include "experiments/picture_file.hpp"
+#include "experiments/recorded_run.hpp"
 #include "experiments/reprojection.hpp"
-#include "experiments/run_recorder.hpp"
 #include "experiments/sequence.hpp"
 #include "experiments/sequence_generator.hpp"
 #include "experiments/track_writer.hpp"
@@ -103,18 +103,16 @@ void track_job(const JobSpec& job, const fs::path& sequence_folder, const fs::pa
 }
 
 void run_job(const JobSpec& job, const fs::path& folder, Keep keep) {
-    const auto begin = Clock::now();
     std::string log;
-    TrackerMaker external;
+    RunRequest request;
+    request.video = false;
+    request.quiet = true;
     if (!job.command.empty())
-        external = [&](const scenes::StereoRig& rig) {
+        request.make_tracker = [&](const scenes::StereoRig& rig) {
             return make_external_tracker({job.command}, rig, log, true);
         };
-    ClosedLoop loop(job.scene, external);
-    RunRecorder recorder(folder / "run", loop, false);
-    loop.run([&](const LoopFrame& frame) { recorder.add(frame); });
     ordered_json result = result_head(job, "done");
-    result.update(recorder.finish(seconds_since(begin)));
+    result.update(record_run(job.scene, folder / "run", request));
     write_json(folder / "result.json", result);
     if (!job.command.empty()) write_file(folder / "tracker.log", log);
     fs::rename(folder / "run" / "timing.json", folder / "timing.json");

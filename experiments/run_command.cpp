@@ -1,15 +1,12 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <memory>
 
-#include "experiments/closed_loop.hpp"
 #include "experiments/commands.hpp"
 #include "experiments/exit_status.hpp"
 #include "experiments/external_tracker.hpp"
 #include "experiments/output_folder.hpp"
-#include "experiments/progress_meter.hpp"
-#include "experiments/run_recorder.hpp"
+#include "experiments/recorded_run.hpp"
 #include "scenes/file_error.hpp"
 #include "scenes/scene_file.hpp"
 
@@ -18,7 +15,7 @@ namespace {
 
 struct RunOptions {
     std::string scene, output;
-    bool no_video = false;
+    bool no_video = false, record = false;
     ExternalTrackerOptions external;
     CommonOptions common;
 };
@@ -31,22 +28,17 @@ int run(const RunOptions& options) {
                                                    ", expected scissors: a run closes the loop with them");
     scene.tracking.tracker.threads = options.common.threads;
     OutputFolder output(options.output, options.common.force);
-    const auto start = std::chrono::steady_clock::now();
     std::string log;
-    TrackerMaker external;
-    if (!options.external.command.empty())
-        external = [&](const scenes::StereoRig& rig) {
+    RunRequest request;
+    request.video = !options.no_video;
+    request.record = options.record;
+    request.quiet = options.common.quiet;
+    const bool external = !options.external.command.empty();
+    if (external)
+        request.make_tracker = [&](const scenes::StereoRig& rig) {
             return make_external_tracker(options.external, rig, log, options.common.quiet);
         };
-    ClosedLoop loop(scene, external);
-    RunRecorder recorder(output.path(), loop, !options.no_video);
-    ProgressMeter meter("run", loop.frames(), options.common.quiet);
-    loop.run([&](const LoopFrame& frame) {
-        recorder.add(frame);
-        meter.advance();
-    });
-    const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const nlohmann::ordered_json summary = recorder.finish(wall_s);
+    const nlohmann::ordered_json summary = record_run(scene, output.path(), request);
     if (external) write_file(output.path() / "track" / "tracker.log", log);
     output.commit();
     const std::string verdict = summary["verdict"];
@@ -62,6 +54,8 @@ void add_run_command(CLI::App& program, Command& chosen) {
     app->add_option("SCENE", options->scene, "scene file")->required();
     app->add_option("-o,--output", options->output, "folder of the run")->required();
     app->add_flag("--no-video", options->no_video, "without video.mp4");
+    app->add_flag("--record", options->record,
+                  "keeps what tracker and scissors were given and commanded, for `replay --inputs`");
     add_external_tracker_options(*app, options->external);
     add_common_options(*app, options->common);
     app->footer("Example: atropos run scenes/auto_scissors.yaml -o results/run --seed 7");
