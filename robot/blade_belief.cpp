@@ -61,6 +61,13 @@ Isometry3d BladeBelief::X_CS() const {
     return X;
 }
 
+double BladeBelief::speed_m_s() const {
+    constexpr double kSpan_s = 0.01;
+    if (count_ == 0) return 0.0;
+    const Sample& newest = history_[head_];
+    return (newest.p_C - setpoint_at(newest.time_s - kSpan_s)).norm() / kSpan_s;
+}
+
 double BladeBelief::mechanics_m() const {
     return std::sqrt(lag_variance_m2_);
 }

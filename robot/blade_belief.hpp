@@ -29,6 +29,8 @@ class BladeBelief {
 
     /// Measured minus commanded blade point, at the time of the measurement.
     const Eigen::Vector3d& lag_C_m() const { return lag_; }
+    /// Of the set-points' blade point, over the last hundredth of a second.
+    double speed_m_s() const;
     /// Sigma of its changes in the last tenths of a second, of one axis.
     double mechanics_m() const;
 

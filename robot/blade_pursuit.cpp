@@ -106,8 +106,12 @@ const Isometry3d& BladePursuit::step(const Goal& goal) {
     share_.step();
     standoff_.step();
     turn_towards(goal.R_CS);
-    // Critically damped: what was absorbed fades without a jump in position or velocity.
-    error_rate_ -= dt * (2.0 / tau * error_rate_ + error_ / (tau * tau));
+    // What was absorbed fades without a jump in position or velocity: critically damped where it is small, at
+    // a bounded speed where it is large.
+    Vector3d wanted = -error_ / tau;
+    if (wanted.norm() > options_.correction_speed_m_s)
+        wanted *= options_.correction_speed_m_s / wanted.norm();
+    error_rate_ += dt * 4.0 / tau * (wanted - error_rate_);
     error_ += dt * error_rate_;
     X_CS_ = travel_.at(share_.state.position, goal.p_C + error_, smooth_.toRotationMatrix(),
                        standoff_.state.position);

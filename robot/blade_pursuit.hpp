@@ -33,7 +33,9 @@ class BladePursuit {
         double travel_speed_m_s = 0.04;
         double near_speed_m_s = 0.02;
         double turn_speed_rad_s = 1.5;
-        double smooth_s = 0.05;  ///< time constant in which corrections of the prediction are made up for
+        /// Corrections of the prediction are made up for within this time constant, but not faster than this.
+        double smooth_s = 0.06;
+        double correction_speed_m_s = 0.05;
     };
     struct Goal {
         Eigen::Vector3d p_C = Eigen::Vector3d::Zero();

@@ -44,15 +44,25 @@ Matrix3d MotionFilter::shape() const {
     return Matrix3d::Identity() + (share * share - 1.0) * along_ * along_.transpose();
 }
 
+MotionFilter::Observation MotionFilter::observation(const Vector3d& drive) {
+    Observation H = Observation::Zero();
+    H.leftCols<3>().setIdentity();
+    for (int i = 0; i < 3; ++i) H.block<3, 3>(0, kMotion + 3 * i) = drive[i] * Matrix3d::Identity();
+    return H;
+}
+
 void MotionFilter::start(double time_s, const Vector3d& p, const Matrix3d& covariance) {
     started_ = true;
     time_s_ = time_s;
     adapted_ = 1.0;
-    belief_.x << p, Vector3d::Zero(), Vector3d::Zero();
+    drive_.setZero();
+    belief_.x.setZero();
+    belief_.x.col(0) = p;
     belief_.P.setZero();
     belief_.P.block<3, 3>(0, 0) = covariance;
     belief_.P.block<3, 3>(3, 3) = std::pow(options_.velocity_sigma_m_s, 2) * shape();
     belief_.P.block<3, 3>(6, 6) = std::pow(options_.acceleration_sigma_m_s2, 2) * shape();
+    belief_.P.diagonal().tail<kSize - kMotion>().setConstant(std::pow(options_.response_sigma, 2));
 }
 
 MotionFilter::Belief MotionFilter::advanced(double time_s) const {
@@ -61,56 +71,71 @@ MotionFilter::Belief MotionFilter::advanced(double time_s) const {
     const int steps = std::clamp(static_cast<int>(std::ceil(4.0 * span / options_.forget_s)), 1, 40);
     const double dt = span / steps;
     const Matrix3d F = transition(dt, options_.forget_s), Q = jerk_density() * jerk_noise(dt), M = shape();
-    Matrix9d FF = Matrix9d::Zero();
+    const double keep = std::exp(-dt / options_.response_forget_s);
+    Matrix18d FF = Matrix18d::Zero();
     for (int i = 0; i < 3; ++i)
         for (int j = i; j < 3; ++j) FF.block<3, 3>(3 * i, 3 * j).diagonal().setConstant(F(i, j));
-    for (int k = 0; k < steps; ++k) {
-        b.x = (b.x * F.transpose()).eval();
-        const Matrix9d FP = FF * b.P;
+    FF.diagonal().tail<kSize - kMotion>().setConstant(keep);
+    const double fresh = (1.0 - keep * keep) * std::pow(options_.response_sigma, 2);
+    for (int step = 0; step < steps; ++step) {
+        b.x.leftCols<3>() = (b.x.leftCols<3>() * F.transpose()).eval();
+        b.x.rightCols<3>() *= keep;
+        const Matrix18d FP = FF * b.P;
         b.P.noalias() = FP * FF.transpose();
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) b.P.block<3, 3>(3 * i, 3 * j) += Q(i, j) * M;
+        b.P.diagonal().tail<kSize - kMotion>().array() += fresh;
     }
     return b;
 }
 
-double MotionFilter::surprise(double time_s, const Vector3d& p, const Matrix3d& covariance) const {
+double MotionFilter::surprise(double time_s, const Vector3d& p, const Matrix3d& covariance,
+                              const Vector3d& drive) const {
     const Belief b = advanced(time_s);
-    const Matrix3d S = b.P.block<3, 3>(0, 0) + covariance;
-    const Vector3d innovation = p - b.x.col(0);
-    return innovation.dot(S.inverse() * innovation);
+    const Observation H = observation(drive);
+    const Vector3d innovation = p - b.x.col(0) - b.x.rightCols<3>() * drive;
+    return innovation.dot((H * b.P * H.transpose() + covariance).inverse() * innovation);
 }
 
-void MotionFilter::update(double time_s, const Vector3d& p, const Matrix3d& covariance) {
+void MotionFilter::update(double time_s, const Vector3d& p, const Matrix3d& covariance,
+                          const Vector3d& drive) {
     Belief b = advanced(time_s);
-    const Matrix3d S_inverse = (b.P.block<3, 3>(0, 0) + covariance).inverse();
-    const Vector3d innovation = p - b.x.col(0);
-    const Eigen::Matrix<double, 9, 3> K = b.P.leftCols<3>() * S_inverse;
-    const Eigen::Matrix<double, 9, 1> gain = K * innovation;
-    for (int i = 0; i < 3; ++i) b.x.col(i) += gain.segment<3>(3 * i);
-    Matrix9d I_KH = Matrix9d::Identity();
-    I_KH.leftCols<3>() -= K;
+    const Observation H = observation(drive);
+    const Matrix3d S = H * b.P * H.transpose() + covariance, S_inverse = S.inverse();
+    const Vector3d innovation = p - b.x.col(0) - b.x.rightCols<3>() * drive;
+    const Eigen::Matrix<double, kSize, 3> K = b.P * H.transpose() * S_inverse;
+    const Eigen::Matrix<double, kSize, 1> gain = K * innovation;
+    for (int i = 0; i < 6; ++i) b.x.col(i) += gain.segment<3>(3 * i);
+    const Matrix18d I_KH = Matrix18d::Identity() - K * H;
     b.P = (I_KH * b.P * I_KH.transpose() + K * covariance * K.transpose()).eval();  // Joseph: stays positive
     // Innovations too large mean that the motion is livelier than thought.
-    double ratio = innovation.dot(S_inverse * innovation) / 3.0;
-    if (options_.along_share < 1.0) {
-        const Matrix3d S = S_inverse.inverse();
-        const Vector3d across = innovation - along_.dot(innovation) * along_;
-        ratio = across.squaredNorm() / (S.trace() - along_.dot(S * along_));
-    }
+    const Vector3d across = innovation - along_.dot(innovation) * along_;
+    const double ratio = options_.along_share < 1.0
+                             ? across.squaredNorm() / (S.trace() - along_.dot(S * along_))
+                             : innovation.dot(S_inverse * innovation) / 3.0;
     adapted_ = std::clamp(adapted_ * (1.0 + 0.1 * std::clamp(ratio - 1.0, -1.0, 3.0)), options_.least_adapted,
                           options_.most_adapted);
     belief_ = b;
     time_s_ = time_s;
+    drive_ = drive;
 }
 
-MotionFilter::State MotionFilter::at(double time_s) const {
+MotionFilter::State MotionFilter::at(double time_s, const Vector3d& drive) const {
     const double dt = std::max(time_s - time_s_, 0.0);
     const Matrix3d F = transition(dt, options_.forget_s), Q = jerk_density() * jerk_noise(dt);
-    const Matrix3d x = belief_.x * F.transpose();
-    State state{x.col(0), x.col(1), belief_.P.block<3, 3>(0, 0), Matrix3d::Zero()};
+    const Matrix3d x = belief_.x.leftCols<3>() * F.transpose();
+    State state;
+    state.R = belief_.x.rightCols<3>();
+    state.p = x.col(0) + state.R * drive;
+    state.v = x.col(1);
+    const Observation H = observation(drive_), H_moved = observation(drive - drive_);
+    state.known = H * belief_.P * H.transpose();
     state.growth = dt * dt * belief_.P.block<3, 3>(3, 3) + F(0, 2) * F(0, 2) * belief_.P.block<3, 3>(6, 6) +
                    Q(0, 0) * shape();
+    if (options_.response_sigma > 0.0)
+        state.growth += H_moved.rightCols<kSize - kMotion>() *
+                        belief_.P.bottomRightCorner<kSize - kMotion, kSize - kMotion>() *
+                        H_moved.rightCols<kSize - kMotion>().transpose();
     return state;
 }
 

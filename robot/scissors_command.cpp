@@ -12,7 +12,8 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 // Own choices.
-constexpr double kStall_m = 0.002, kStall_s = 0.10;        // blade behind its set-point: the arm is stuck
+// Blades so far behind their set-point, and farther than their speed explains: the arm is stuck.
+constexpr double kStall_m = 0.002, kStall_s = 0.10, kUsualLag_s = 0.012;
 constexpr double kBlocked_s = 0.30;                        // no way on for so long
 constexpr double kSettled_m = 0.001, kSettled_rad = 0.05;  // pursuit has caught up
 constexpr double kPlanEvery_s = 0.10, kPlanFor_s = 2.0;
@@ -189,7 +190,9 @@ bool ScissorsCommand::gate_open_for(double duration_s) const {
 void ScissorsCommand::watch_arm() {
     if (!driving_) return;
     const double behind_m = blade_.lag_C_m().norm();
-    stalled_since_s_ = behind_m < kStall_m ? kNever_s : std::min(stalled_since_s_, now_s_);
+    stalled_since_s_ = behind_m < kStall_m + kUsualLag_s * blade_.speed_m_s()
+                           ? kNever_s
+                           : std::min(stalled_since_s_, now_s_);
     if (now_s_ - stalled_since_s_ > kStall_s) {
         abort(text("arm stalled: the blades stand %.1f mm from where they were sent", 1e3 * behind_m));
         arm_.hold();

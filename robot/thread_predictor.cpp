@@ -12,9 +12,11 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Of a thread that hangs between moving grips, measured over seeds of the default scene: the middle moves
-// against the grips' mean with 0.04 m/s^2 across the thread and 0.012 m/s^2 along it.
-constexpr MotionFilter::Options kRelative{0.04, 0.3, 0.010, 0.3, 0.3, 25.0}, kGrips{0.10, 0.2, 0.05};
+// Of a thread that hangs between moving grips, measured over seeds of the default scene and the fast one:
+// beside what the response to the grips explains, the middle moves with 0.03 to 0.2 m/s^2 across the thread
+// and a tenth of that along it.
+constexpr MotionFilter::Options kRelative{0.04, 0.3, 0.005, 0.15, 0.1, 25.0, 0.4, 20.0};
+constexpr MotionFilter::Options kGrips{0.10, 0.2, 0.05};
 constexpr double kTangentReach_m = 0.004;  // half of the chord that gives the tangent
 constexpr double kTangentMemory = 0.3;     // share of a new tangent
 constexpr double kGripSigma_m = 2e-5;      // of measured motion over a few tenths of a second
@@ -23,7 +25,6 @@ constexpr double kModelSigma_m = 3e-4;     // no innovation below this is a jump
 // What a tracker's sigmas leave out: along the thread a point is known by the ends alone and slides for some
 // frames at a time; 0.2 mm where the ends are known to 0.3 mm.
 constexpr double kSlideSigma_m = 4e-4, kJitterSigma_m = 1.5e-4;
-constexpr double kSlideSurprise = 2.0;  // sigmas; what slid farther counts less
 constexpr double kLongestExtrapolation_s = 0.5;
 constexpr double kBelieveJumpAfter_s = 0.3;
 
@@ -77,9 +78,15 @@ void ThreadPredictor::observe_grips(const ScissorsInput& input) {
         p += (end == 1 ? weight_ : 1.0 - weight_) * (state.X_CT * options_.X_TG[end]).translation();
     }
     if (count_ > 0 && time_s < history_[head_].time_s + kGripPeriod_s) return;
+    Vector3d apart = Vector3d::Zero();
+    if (grip_points_[0] && grip_points_[1]) {
+        for (size_t end = 0; end < 2; ++end)
+            apart +=
+                (end == 1 ? 1.0 : -1.0) * (input.holders[end]->value.X_CT * options_.X_TG[end]).translation();
+    }
     head_ = (head_ + 1) % kHistory;
     count_ = std::min(count_ + 1, kHistory);
-    history_[head_] = {time_s, p};
+    history_[head_] = {time_s, p, apart};
     const Matrix3d R = kGripSigma_m * kGripSigma_m * Matrix3d::Identity();
     if (grips_.started())
         grips_.update(time_s, p, R);
@@ -87,16 +94,18 @@ void ThreadPredictor::observe_grips(const ScissorsInput& input) {
         grips_.start(time_s, p, R);
 }
 
-Vector3d ThreadPredictor::grips_at(double time_s) const {
-    if (count_ == 0) return Vector3d::Zero();
-    if (time_s >= history_[head_].time_s) return grips_.at(time_s).p;
+ThreadPredictor::GripSample ThreadPredictor::grips_at(double time_s) const {
+    if (count_ == 0) return {time_s, Vector3d::Zero(), Vector3d::Zero()};
+    const GripSample& newest = history_[head_];
+    if (time_s >= newest.time_s) return {time_s, grips_.at(time_s).p, newest.apart};
     for (size_t age = 1; age < count_; ++age) {
         const GripSample &before = past(age), &after = past(age - 1);
         if (before.time_s > time_s) continue;
         const double share = (time_s - before.time_s) / (after.time_s - before.time_s);
-        return (1.0 - share) * before.p + share * after.p;
+        return {time_s, (1.0 - share) * before.p + share * after.p,
+                (1.0 - share) * before.apart + share * after.apart};
     }
-    return past(count_ - 1).p;
+    return past(count_ - 1);
 }
 
 ThreadPredictor::Verdict ThreadPredictor::refuse(Verdict verdict, std::string why) {
@@ -156,20 +165,17 @@ ThreadPredictor::Verdict ThreadPredictor::observe(const scenes::ThreadEstimate& 
     const Vector3d along =
         (point_at(estimate.samples, s + kTangentReach_m) - point_at(estimate.samples, s - kTangentReach_m))
             .normalized();
-    const Vector3d relative = p - grips_at(now);
+    const GripSample grips = grips_at(now);
+    const Vector3d relative = p - grips.p;
     Matrix3d R = ray_covariance(p, sample.sigma_lateral_m, sample.sigma_depth_m) +
                  kJitterSigma_m * kJitterSigma_m * Matrix3d::Identity();
-    double slide_m = kSlideSigma_m;
-    if (relative_.started())
-        slide_m *=
-            std::max(1.0, std::abs(along.dot(relative - relative_.at(now).p)) / (kSlideSurprise * slide_m));
-    R += slide_m * slide_m * along * along.transpose();
+    R += kSlideSigma_m * kSlideSigma_m * along * along.transpose();
     if (relative_.started()) {
         const Matrix3d wide = R + kModelSigma_m * kModelSigma_m * Matrix3d::Identity();
         // From where it was seen last, not from where a velocity that ran away would put it.
-        const Vector3d moved = relative - relative_.at(relative_.time_s()).p;
+        const Vector3d moved = relative - relative_.at(relative_.time_s(), drive(grips)).p;
         const double jump = (moved - along.dot(moved) * along).norm();
-        const bool surprising = relative_.surprise(now, relative, wide) > kMaxSurprise;
+        const bool surprising = relative_.surprise(now, relative, wide, drive(grips)) > kMaxSurprise;
         if (surprising && jumped_since_s_ < 0.0) jumped_since_s_ = now;
         // However long the thread was out of sight, the grips tell too much for it to be elsewhere.
         if (jump > options_.max_jump_m || (surprising && now - jumped_since_s_ <= kBelieveJumpAfter_s))
@@ -182,10 +188,12 @@ ThreadPredictor::Verdict ThreadPredictor::observe(const scenes::ThreadEstimate& 
     length_m_ = length_m_ > 0.0 ? 0.98 * length_m_ + 0.02 * length : length;
     relative_.set_along(tangent_);
     if (relative_.started())
-        relative_.update(now, relative, R + kGripSigma_m * kGripSigma_m * Matrix3d::Identity());
-    else
+        relative_.update(now, relative, R + kGripSigma_m * kGripSigma_m * Matrix3d::Identity(), drive(grips));
+    else {
         relative_.start(now, relative, R);
-    tracking_ = relative_.at(now).known;
+        apart_ = grips.apart;
+    }
+    tracking_ = relative_.at(now, drive(grips)).known;
     samples_.assign(estimate.samples.begin(), estimate.samples.end());
     rejection_.clear();
     return Verdict::kUsed;
@@ -193,9 +201,10 @@ ThreadPredictor::Verdict ThreadPredictor::observe(const scenes::ThreadEstimate& 
 
 ThreadPrediction ThreadPredictor::at(double time_s) const {
     const double farthest = relative_.time_s() + kLongestExtrapolation_s;
-    const MotionFilter::State relative = relative_.at(std::min(time_s, farthest));
+    const GripSample grips = grips_at(time_s);
+    const MotionFilter::State relative = relative_.at(std::min(time_s, farthest), drive(grips));
     ThreadPrediction prediction;
-    prediction.p_C = relative.p + grips_at(time_s);
+    prediction.p_C = relative.p + grips.p;
     if (time_s < farthest) prediction.v_C = relative.v;
     if (grips_.started()) prediction.v_C += grips_.at(time_s).v;
     prediction.tangent_C = tangent_;
@@ -204,7 +213,7 @@ ThreadPrediction ThreadPredictor::at(double time_s) const {
 }
 
 Matrix3d ThreadPredictor::growth(double now_s, double closing_s) const {
-    Matrix3d growth = relative_.at(now_s + closing_s).growth;
+    Matrix3d growth = relative_.at(now_s + closing_s, drive(grips_at(now_s))).growth;
     if (grips_.started()) growth += grips_.at(now_s).growth;
     return growth;
 }

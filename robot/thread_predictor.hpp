@@ -20,7 +20,8 @@ struct ThreadPrediction {
 };
 
 /// Carries the place of the cut from late estimates to any moment near now. What the measured grips do is
-/// known at once; only the thread's motion relative to them is left to a filter.
+/// known at once: the thread goes with their mean, and how it gives when they move against one another is
+/// learned; only what is left is the filter's to guess.
 class ThreadPredictor {
   public:
     enum class Verdict { kUsed, kUnusable, kImplausible, kJumped };
@@ -54,7 +55,8 @@ class ThreadPredictor {
   private:
     struct GripSample {
         double time_s;
-        Eigen::Vector3d p;  // weighted by nearness to the cut
+        Eigen::Vector3d p;      // weighted by nearness to the cut
+        Eigen::Vector3d apart;  // from end 0 to end 1
     };
     static constexpr size_t kHistory = 512;
     static constexpr double kGripPeriod_s = 0.004;
@@ -62,7 +64,8 @@ class ThreadPredictor {
     Verdict refuse(Verdict verdict, std::string why);
     bool plausible(const scenes::ThreadEstimate& estimate);
     bool ends_at_grips(const scenes::ThreadEstimate& estimate);
-    Eigen::Vector3d grips_at(double time_s) const;
+    GripSample grips_at(double time_s) const;
+    Eigen::Vector3d drive(const GripSample& grips) const { return grips.apart - apart_; }
     const GripSample& past(size_t age) const { return history_[(head_ + kHistory - age) % kHistory]; }
 
     ScissorsOptions options_;
@@ -72,8 +75,9 @@ class ThreadPredictor {
     size_t head_ = 0;
     size_t count_ = 0;
     std::array<std::optional<Eigen::Vector3d>, 2> grip_points_;
-    double weight_ = -1.0;   // of end 1; negative: not yet known
-    double length_m_ = 0.0;  // slow mean of the span's
+    double weight_ = -1.0;                             // of end 1; negative: not yet known
+    Eigen::Vector3d apart_ = Eigen::Vector3d::Zero();  // of the grips when the filter began
+    double length_m_ = 0.0;                            // slow mean of the span's
     Eigen::Vector3d tangent_ = Eigen::Vector3d::UnitX();
     Eigen::Matrix3d tracking_ = Eigen::Matrix3d::Zero();
     double last_capture_s_ = -1e9;
