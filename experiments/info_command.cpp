@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <memory>
 
 #include "experiments/commands.hpp"
@@ -9,6 +11,8 @@
 #include "experiments/scene_description.hpp"
 #include "experiments/sequence.hpp"
 #include "experiments/track_reader.hpp"
+#include "render/mesh_file.hpp"
+#include "render/texture.hpp"
 #include "scenes/calibration_file.hpp"
 #include "scenes/file_error.hpp"
 #include "scenes/scene_file.hpp"
@@ -23,6 +27,7 @@ struct InfoOptions {
     bool cameras = false;
     bool scene_keys = false;
     bool verify = false;
+    double scale_to_m = 0.0;
     std::vector<double> sag_mm;  ///< length, sag
     std::vector<std::string> overrides;
 };
@@ -58,6 +63,36 @@ int describe_scene(const fs::path& path, const std::vector<std::string>& overrid
     print_rig(rig, distance_m);
     fmt::print("\n{}\n{}", describe_arms(scene), describe_thread(scene));
     fmt::print("\nresolved:\n{}", scenes::to_yaml(scene));
+    return kDone;
+}
+
+bool has_extension(const fs::path& path, std::initializer_list<const char*> extensions) {
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+}
+
+int describe_mesh(const fs::path& path, double scale_to_m) {
+    const bool in_metres = has_extension(path, {".dae", ".gltf", ".glb"});  // by their formats' own words
+    if (scale_to_m <= 0.0 && !in_metres)
+        throw scenes::FileError(path.string(),
+                                "no unit in this format, expected --scale-to-m, 0.001 for millimetres");
+    const render::MeshInfo mesh =
+        render::mesh_info(render::load_mesh(path.string(), scale_to_m > 0.0 ? scale_to_m : 1.0));
+    const Eigen::Vector3d low = 1e3 * mesh.low_m, high = 1e3 * mesh.high_m;
+    fmt::print("mesh               {} vertices, {} triangles\n", mesh.vertices, mesh.triangles);
+    fmt::print("box                {:.3f} x {:.3f} x {:.3f} mm\n", high.x() - low.x(), high.y() - low.y(),
+               high.z() - low.z());
+    fmt::print("from, to           [{:.3f}, {:.3f}, {:.3f}], [{:.3f}, {:.3f}, {:.3f}] mm\n", low.x(), low.y(),
+               low.z(), high.x(), high.y(), high.z());
+    if (!mesh.warning.empty()) fmt::print("warning: {}\n", mesh.warning);
+    return kDone;
+}
+
+int describe_picture(const fs::path& path) {
+    const render::Texture texture = render::load_texture(path.string(), true);
+    fmt::print("picture            {} x {} px\n", texture.width_px, texture.height_px);
     return kDone;
 }
 
@@ -125,6 +160,9 @@ int info(const InfoOptions& options) {
     }
     if (path.empty()) throw scenes::FileError("info", "no PATH, expected a file or folder to describe");
     if (!fs::exists(path)) throw scenes::FileError(options.path, "no such file or folder");
+    if (has_extension(path, {".obj", ".stl", ".ply", ".dae", ".gltf", ".glb"}))
+        return describe_mesh(path, options.scale_to_m);
+    if (has_extension(path, {".png", ".jpg", ".jpeg"})) return describe_picture(path);
     if (looks_like_calibration(path)) {
         print_rig(scenes::load_calibration(path), 0.1);
         return kDone;
@@ -137,12 +175,16 @@ int info(const InfoOptions& options) {
 
 void add_info_command(CLI::App& program, Command& chosen) {
     CLI::App* app = program.add_subcommand(
-        "info", "checks and describes a scene, calibration, sequence, dataset, track or experiment");
+        "info",
+        "checks and describes a scene, calibration, mesh, picture, sequence, dataset, track or "
+        "experiment");
     const auto options = std::make_shared<InfoOptions>();
-    app->add_option("PATH", options->path, "scene file, calibration file or folder");
+    app->add_option("PATH", options->path, "scene, calibration, mesh or picture file, or a folder");
     app->add_flag("--cameras", options->cameras, "list the camera presets with their sources");
     app->add_flag("--scene-keys", options->scene_keys, "print the reference of scene files (docs/scene.md)");
     app->add_flag("--verify", options->verify, "recompute the checksums of a sequence or dataset");
+    app->add_option("--scale-to-m", options->scale_to_m, "metres a unit of a mesh: 0.001 for millimetres")
+        ->check(CLI::Range(1e-9, 1e6));
     app->add_option("--fit-sag", options->sag_mm,
                     "EI of the scene's (or the default) thread: L_mm of it, clamped horizontally, hangs down "
                     "by SAG_mm")

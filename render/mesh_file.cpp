@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
+
+#include "render/ply_check.hpp"
+#include "scenes/file_error.hpp"
 
 namespace atropos::render {
 namespace {
@@ -18,9 +21,10 @@ constexpr std::uintmax_t kLargestFile_bytes = 512u << 20;
 constexpr std::size_t kMostTriangles = 20'000'000;
 
 [[noreturn]] void fail(const std::string& path, const std::string& what) {
-    std::string line = path + ": " + what;
-    std::replace(line.begin(), line.end(), '\n', ' ');
-    throw std::runtime_error(line);
+    std::string line = what;
+    std::replace_if(
+        line.begin(), line.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+    throw scenes::FileError(path, line);
 }
 
 void check_file(const std::string& path) {
@@ -31,25 +35,18 @@ void check_file(const std::string& path) {
     if (size > kLargestFile_bytes) fail(path, "larger than 512 MiB, expected a smaller mesh");
 }
 
-// A PLY header that promises more elements than the file has bytes would be believed, and fill the memory.
-void check_ply_header(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    const std::uintmax_t size = std::filesystem::file_size(path);
-    std::string line, word, name;
-    if (!std::getline(file, line) || line.rfind("ply", 0) != 0) return;
-    while (std::getline(file, line) && line.rfind("end_header", 0) != 0) {
-        std::istringstream words(line);
-        double count = 0.0;
-        if (words >> word >> name >> count && word == "element" &&
-            !(count >= 0.0 && count <= static_cast<double>(size))) {
-            fail(path, "more elements in its header than bytes in the file, expected a whole PLY file");
-        }
-    }
+// By name or by content, as assimp chooses its reader.
+bool is_ply(const std::string& path) {
+    std::string extension = std::filesystem::path(path).extension().string(), magic(3, ' ');
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::ifstream(path, std::ios::binary).read(magic.data(), 3);
+    return extension == ".ply" || magic == "ply";
 }
 
 const aiScene& read(Assimp::Importer& importer, const std::string& path) {
     check_file(path);
-    check_ply_header(path);
+    if (is_ply(path)) check_ply(path);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     const aiScene* scene = nullptr;
     try {
