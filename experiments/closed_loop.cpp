@@ -37,7 +37,7 @@ ClosedLoop::ClosedLoop(const scenes::SceneConfig& scene, const TrackerMaker& mak
     : scene_(scene),
       testbed_(scene),
       endoscope_(testbed_),
-      pilot_(scene, testbed_.rig(), read_all(testbed_), endoscope_.instruments(),
+      pilot_(scene, testbed_.told_rig(), read_all(testbed_), endoscope_.instruments(),
              testbed_.arm(kScissorsArm).controller(), make_tracker) {
     if (scene_.cut.controller != CutController::kTracker)
         pilot_.substitute([this](const ThreadEstimate& estimate) { return substituted(estimate); });

@@ -33,8 +33,9 @@ struct View {
 /// The endoscope over a testbed: draws arms, tissue and thread, and turns light into pictures.
 class EndoscopeView {
   public:
-    /// Throws std::runtime_error when there is no renderer or a mesh is missing.
-    explicit EndoscopeView(const Testbed& testbed);
+    /// Throws std::runtime_error when there is no renderer, scenes::FileError when a mesh can't be used.
+    /// `cache_tissue` false draws the tissue anew in each frame, as a moving camera would: the same bytes.
+    explicit EndoscopeView(const Testbed& testbed, bool cache_tissue = true);
 
     View capture(const Testbed& testbed, int frame);
 
@@ -46,10 +47,12 @@ class EndoscopeView {
     const std::array<render::InstrumentModel, kArms>& instruments() const { return instruments_; }
 
   private:
-    std::vector<scenes::RenderItem> items(const Testbed& testbed) const;
-    void draw(View& view, const Eigen::Isometry3d& X_WC, const std::vector<scenes::RenderItem>& items,
-              const std::vector<render::ThreadRibbon>& ribbons, const std::vector<double>& strand_begin_s_m,
-              int frame);
+    std::vector<scenes::RenderItem> items(const Testbed& testbed, const Moment& moment) const;
+    std::vector<render::ThreadRibbon> ribbons(const sim::ThreadTruth& thread) const;
+    /// Light averaged over the moments at `times_s`; samples are looked up in the middle one.
+    render::StereoFrame expose(const Testbed& testbed, const std::vector<double>& times_s,
+                               const std::vector<render::SamplePoint>& samples);
+    void finish(View& view, int frame) const;
 
     render::StereoEndoscope endoscope_;
     render::Sensor sensor_;

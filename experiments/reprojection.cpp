@@ -54,9 +54,9 @@ void make_reprojected_sequence(const scenes::SceneConfig& scene, const fs::path&
     Testbed testbed(scene);
     EndoscopeView first(testbed), second(testbed);
     const scenes::TrackerConfig config = first_tracker(scene);
-    const auto tracker = tracker::make_tracker(config, testbed.rig());
+    const auto tracker = tracker::make_tracker(config, testbed.told_rig());
     for (const char* name : {"calib", "left", "right", "truth"}) fs::create_directories(folder / name);
-    write_file(folder / "calib" / "stereo.yaml", scenes::to_opencv_yaml(testbed.rig()));
+    write_file(folder / "calib" / "stereo.yaml", scenes::to_opencv_yaml(testbed.told_rig()));
     write_file(folder / "scene.yaml", scenes::to_yaml(scene));
     AppendFile frames(folder / "frames.csv", "frame,time_s\n"),
         tips(folder / "tips.csv", "frame,end,kind,x_mm,y_mm,z_mm\n"),

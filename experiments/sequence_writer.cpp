@@ -73,9 +73,11 @@ SequenceWriter::SequenceWriter(fs::path folder, const Testbed& testbed, const Se
         rectifier_ = std::make_unique<Rectifier>(testbed.rig());
     }
     write_file(folder_ / "scene.yaml", scenes::to_yaml(testbed.scene()));
-    write_file(folder_ / "calib" / "stereo.yaml", scenes::to_opencv_yaml(testbed.rig()));
-    write_file(folder_ / "calib" / "left.yaml", scenes::to_ros_yaml(testbed.rig(), false));
-    write_file(folder_ / "calib" / "right.yaml", scenes::to_ros_yaml(testbed.rig(), true));
+    write_file(folder_ / "calib" / "stereo.yaml", scenes::to_opencv_yaml(testbed.told_rig()));
+    write_file(folder_ / "calib" / "left.yaml", scenes::to_ros_yaml(testbed.told_rig(), false));
+    write_file(folder_ / "calib" / "right.yaml", scenes::to_ros_yaml(testbed.told_rig(), true));
+    if (testbed.scene().sensor.calibration_error > 0.0)
+        write_file(folder_ / "truth" / "stereo.yaml", scenes::to_opencv_yaml(testbed.rig()));
     frames_ = AppendFile(folder_ / "frames.csv", "frame,time_s\n");
     tips_ = AppendFile(folder_ / "tips.csv", "frame,end,kind,x_mm,y_mm,z_mm\n");
     kinematics_ = AppendFile(folder_ / "kinematics.csv", kKinematicsColumns);

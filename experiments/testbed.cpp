@@ -1,7 +1,9 @@
 #include "experiments/testbed.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
+#include "render/calibration_error.hpp"
 #include "robot/layout_defaults.hpp"
 #include "robot/tool.hpp"
 #include "scenes/scene_file.hpp"
@@ -83,12 +85,17 @@ robot::Layout scene_layout(const scenes::SceneConfig& scene) {
 
 Testbed::~Testbed() = default;
 
-Testbed::Testbed(const scenes::SceneConfig& scene) : scene_(scene), rig_(scenes::scene_rig(scene.camera)) {
+Testbed::Testbed(const scenes::SceneConfig& scene)
+    : scene_(scene), rig_(scenes::scene_rig(scene.camera)), told_rig_(rig_) {
+    if (scene.sensor.calibration_error > 0.0)
+        told_rig_ =
+            render::told_rig(rig_, render::CalibrationError{} * scene.sensor.calibration_error, scene.seed);
     const robot::Layout layout = scene_layout(scene);
     tree_ = robot::frame_tree(layout, rig_);
     X_WC_ = tree_.pose("W", "C");
     build_arms(layout);
     build_world();
+    remember();
 }
 
 robot::Joints Testbed::starting_joints(int arm, const Isometry3d& X_WF) const {
@@ -195,6 +202,28 @@ void Testbed::tick() {
     for (const auto& arm : arms_) arm->step();
     place_instruments();
     world_->step();
+    remember();
+}
+
+Moment Testbed::now() const {
+    Moment moment{time_s(), {}, thread()};
+    for (size_t i = 0; i < kArms; ++i) moment.X_WL[i] = arms_[i]->true_links_W().value;
+    return moment;
+}
+
+void Testbed::remember() {
+    const double reach_s = scene_.sensor.exposure_time_s + scene_.sensor.right_eye_delay_s;
+    if (reach_s <= 0.0) return;
+    past_.push_back(now());
+    while (past_.front().time_s < time_s() - reach_s - robot::PsmArm::kPeriod_s) past_.pop_front();
+}
+
+Moment Testbed::moment(double time_s) const {
+    if (past_.empty()) return now();
+    const Moment* nearest = &past_.front();
+    for (const Moment& m : past_)
+        if (std::abs(m.time_s - time_s) < std::abs(nearest->time_s - time_s)) nearest = &m;
+    return *nearest;
 }
 
 Isometry3d Testbed::X_WTissue() const {

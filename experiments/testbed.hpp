@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,6 +16,13 @@
 #include "sim/world.hpp"
 
 namespace atropos::experiments {
+
+/// What a camera could see at one instant.
+struct Moment {
+    double time_s = 0.0;
+    std::array<std::array<Eigen::Isometry3d, robot::kLinkCount>, kArms> X_WL;
+    sim::ThreadTruth thread;
+};
 
 /// The simulated operating field: arms with their imperfections, tissue, thread, stepped together at 1 kHz.
 /// Built anew for each episode. It owns the truth; what a real system would know is asked of the arms
@@ -32,6 +40,8 @@ class Testbed {
 
     const scenes::SceneConfig& scene() const { return scene_; }
     const scenes::StereoRig& rig() const { return rig_; }
+    /// The rig as everybody but the cameras is told it: sensor.calibration_error away from the true one.
+    const scenes::StereoRig& told_rig() const { return told_rig_; }
     robot::RobotArm& arm(int i) { return *arms_[static_cast<size_t>(i)]; }
     const robot::RobotArm& arm(int i) const { return *arms_[static_cast<size_t>(i)]; }
 
@@ -44,6 +54,10 @@ class Testbed {
     const sim::World& world() const { return *world_; }
     sim::ThreadTruth thread() const { return world_->thread(); }
 
+    /// The field at the tick nearest to `time_s`, which is not in the future and no older than the scene's
+    /// exposure and eye delay; the first tick for times before it.
+    Moment moment(double time_s) const;
+
     /// Measured grip point of a holding arm in C; the end that it holds is the same as its number.
     Eigen::Vector3d measured_grip_C(int arm) const;
     /// True grip point of a holding arm in C.
@@ -55,9 +69,11 @@ class Testbed {
     scenes::Polyline starting_curve() const;
     void build_world();
     void place_instruments();
+    Moment now() const;
+    void remember();
 
     scenes::SceneConfig scene_;
-    scenes::StereoRig rig_;
+    scenes::StereoRig rig_, told_rig_;
     robot::FrameTree tree_;
     Eigen::Isometry3d X_WC_ = Eigen::Isometry3d::Identity();
     std::array<std::unique_ptr<robot::RobotArm>, kArms> arms_;
@@ -65,6 +81,7 @@ class Testbed {
     std::optional<render::Tissue> tissue_;
     std::unique_ptr<sim::World> world_;
     std::array<std::unique_ptr<ArmMotion>, kArms> motions_;
+    std::deque<Moment> past_;  ///< as far back as an exposure reaches; empty when it doesn't
 };
 
 /// Where the arms' remote centres are, with the scene's instruments.

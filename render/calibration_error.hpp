@@ -14,6 +14,11 @@ struct CalibrationError {
     double k1 = 0.003;
     double rotation_rad = 2e-4;  ///< right eye against left, each axis
     double baseline_m = 15e-6;   ///< each axis
+
+    CalibrationError operator*(double factor) const {
+        return {factor * focal_relative, factor * centre_px, factor * k1, factor * rotation_rad,
+                factor * baseline_m};
+    }
 };
 
 /// The rig as a tracker is told it, drawn from the stream "calibration".

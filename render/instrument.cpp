@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "scenes/file_error.hpp"
+
 namespace atropos::render {
 namespace {
 
@@ -23,13 +25,19 @@ const std::array<Look, 7> kLooks = {{{"steel", {0.62f, 0.60f, 0.58f}, 1.0f, 0.34
                                      {"cable", {0.50f, 0.49f, 0.48f}, 1.0f, 0.40f},
                                      {"composite", {0.016f, 0.016f, 0.018f}, 0.0f, 0.42f}}};
 
+/// Empty when the folder has none.
 std::string link_file(const std::string& folder, std::string_view link) {
     for (const char* extension : {".obj", ".stl", ".ply"}) {
         const std::string file = (std::filesystem::path(folder) / link).string() + extension;
         if (std::filesystem::exists(file)) return file;
     }
-    throw std::runtime_error(folder + ": no mesh of link '" + std::string(link) + "', expected " +
-                             std::string(link) + ".obj, .stl or .ply");
+    return {};
+}
+
+std::vector<MeshPart> link_parts(const std::string& file, double scale_to_m) {
+    std::vector<MeshPart> parts = load_mesh_parts(file, scale_to_m);
+    for (MeshPart& part : parts) part.material = instrument_material(part.material_name, part.material);
+    return parts;
 }
 
 }  // namespace
@@ -61,11 +69,31 @@ scenes::Material instrument_material(const std::string& name, const scenes::Mate
 InstrumentModel load_instrument(const std::string& folder, double scale_to_m) {
     InstrumentModel model;
     for (std::size_t i = 0; i < kInstrumentLinks.size(); ++i) {
-        model.links[i] = load_mesh_parts(link_file(folder, kInstrumentLinks[i]), scale_to_m);
-        for (MeshPart& part : model.links[i])
-            part.material = instrument_material(part.material_name, part.material);
+        const std::string file = link_file(folder, kInstrumentLinks[i]), link(kInstrumentLinks[i]);
+        if (file.empty())
+            throw scenes::FileError(
+                folder, "no mesh of link '" + link + "', expected " + link + ".obj, .stl or .ply");
+        model.links[i] = link_parts(file, scale_to_m);
     }
     return model;
+}
+
+void replace_links(InstrumentModel& model, const std::string& folder, double scale_to_m) {
+    if (!(scale_to_m > 0.0))
+        throw std::invalid_argument(folder +
+                                    ": no mesh_scale_m given, expected metres a unit of these meshes");
+    bool any = false;
+    for (std::size_t i = 0; i < kInstrumentLinks.size(); ++i) {
+        const std::string file = link_file(folder, kInstrumentLinks[i]);
+        if (file.empty()) continue;
+        model.links[i] = link_parts(file, scale_to_m);
+        any = true;
+    }
+    if (!any)
+        throw std::invalid_argument(
+            folder +
+            ": no mesh in it, expected shaft, wrist, jaw_left or jaw_right as .obj, .stl "
+            "or .ply");
 }
 
 void InstrumentModel::append(int link, const Eigen::Isometry3d& X_WL, scenes::Label label,

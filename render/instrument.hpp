@@ -31,6 +31,10 @@ std::string instrument_folder(std::string_view tool_name);
 /// does.
 InstrumentModel load_instrument(const std::string& folder, double scale_to_m = 1e-3);
 
+/// Puts the meshes that `folder` has into their links' places; the others stay. Throws std::invalid_argument
+/// when it has none or `scale_to_m` isn't positive, and as load_mesh does.
+void replace_links(InstrumentModel& model, const std::string& folder, double scale_to_m);
+
 /// Steel, composite and so on: the look of a material the instruments' files name; any other as the file
 /// says.
 scenes::Material instrument_material(const std::string& name, const scenes::Material& otherwise);

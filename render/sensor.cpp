@@ -151,12 +151,11 @@ cv::Mat Sensor::develop_eye(const cv::Mat& linear, const cv::Mat& lens, float ga
 }
 
 std::vector<double> Sensor::exposure_times_s(double time_s, int eye) const {
-    const double start_s = time_s + (eye == 1 ? options_.right_eye_delay_s : 0.0);
-    if (options_.exposure_time_s <= 0.0) return {start_s};
+    const double end_s = time_s - (eye == 0 ? options_.right_eye_delay_s : 0.0);
+    if (options_.exposure_time_s <= 0.0) return {end_s};
     std::vector<double> times_s;
-    for (int i = 0; i < options_.motion_samples; ++i) {
-        times_s.push_back(start_s + options_.exposure_time_s * ((i + 0.5) / options_.motion_samples - 0.5));
-    }
+    for (int i = 0; i < options_.motion_samples; ++i)
+        times_s.push_back(end_s - options_.exposure_time_s * (1.0 - (i + 0.5) / options_.motion_samples));
     return times_s;
 }
 

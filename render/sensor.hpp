@@ -13,17 +13,18 @@ namespace atropos::render {
 /// From linear light to the pictures a camera control unit gives. In this order: exposure and vignetting,
 /// noise, gain, response curve, 8 bits, compression. Lens distortion and point spread are the endoscope's.
 struct SensorOptions {
-    double exposure = 1.0;           ///< factor on the light
-    bool auto_gain = false;          ///< bring the mean of both images to `gain_target`
-    double gain_target = 0.16;       ///< mean linear value
-    double gain_max = 4.0;           ///< own choice; 1 / gain_max is the least gain
-    double vignetting = 0.0;         ///< 0 none, 1 the natural cos^4 law (Szeliski, Computer Vision, 2.2.3)
-    double read_noise = 0.0;         ///< sigma in the dark, of full scale: 0.006 as in rendering.md section 8
-    double shot_noise = 0.0;         ///< growth of the variance at full scale, in read-noise variances: 9
-    int jpeg_quality = 0;            ///< 1-100: compressed and decompressed; 0 off
-    double exposure_time_s = 0.0;    ///< > 0: motion blur over this time
-    int motion_samples = 4;          ///< instants averaged for motion blur
-    double right_eye_delay_s = 0.0;  ///< the cameras of a da Vinci aren't synchronised by hardware
+    double exposure = 1.0;         ///< factor on the light
+    bool auto_gain = false;        ///< bring the mean of both images to `gain_target`
+    double gain_target = 0.16;     ///< mean linear value
+    double gain_max = 4.0;         ///< own choice; 1 / gain_max is the least gain
+    double vignetting = 0.0;       ///< 0 none, 1 the natural cos^4 law (Szeliski, Computer Vision, 2.2.3)
+    double read_noise = 0.0;       ///< sigma in the dark, of full scale: 0.006 as in rendering.md section 8
+    double shot_noise = 0.0;       ///< growth of the variance at full scale, in read-noise variances: 9
+    int jpeg_quality = 0;          ///< 1-100: compressed and decompressed; 0 off
+    double exposure_time_s = 0.0;  ///< > 0: motion blur over this time, which ends with the frame
+    int motion_samples = 4;        ///< instants averaged for motion blur
+    /// The left eye is this much older: the cameras of a da Vinci aren't synchronised by hardware.
+    double right_eye_delay_s = 0.0;
 };
 
 /// `ideal`: the light itself in 8 bits, sRGB-coded. `realistic`: everything but time: vignetting, auto-gain,
@@ -44,8 +45,8 @@ class Sensor {
 
     StereoImages develop(const StereoFrame& frame, std::int64_t frame_index) const;
 
-    /// When to render an eye (0 left, 1 right) for a frame at `time_s`; average the frames with
-    /// `mean_exposure`.
+    /// When to render an eye (0 left, 1 right) for a frame that is read out at `time_s`: never later. Average
+    /// the frames with `mean_exposure`.
     std::vector<double> exposure_times_s(double time_s, int eye) const;
 
   private:

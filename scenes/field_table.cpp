@@ -35,6 +35,8 @@ void visit_camera(FieldVisitor& v, CameraConfig& c) {
     v.integer({"height_px", "image height; 0: follows from the width"}, c.height_px, 0, 8192);
     v.number({"fps_hz", "frames a second"}, c.fps_hz, {1.0, 1000.0});
     v.number({"working_distance_mm", "lens to target; 0: the preset's"}, c.working_distance_m, {0.0, 500.0});
+    v.number({"k1", "added to the radial distortion of both eyes, factor of r^2"}, c.k1, {-0.5, 0.5});
+    v.number({"k2", "the same, factor of r^4"}, c.k2, {-0.5, 0.5});
     v.section({"hand_eye", "the left lens in the endoscope arm's tip frame"}, [&] {
         v.vector({"position_mm", "x, y, z"}, c.hand_eye_position_m, {-100.0, 100.0});
         v.vector({"rotation_deg", "rotation vector"}, c.hand_eye_rotation_rad, {-180.0, 180.0});
@@ -75,6 +77,12 @@ void visit_arm(FieldVisitor& v, std::string_view name, ArmConfig& c) {
         v.text({"holds", "what its jaws hold at the start"}, c.holds, {"start", "end", "nothing"});
         v.vector({"base_mm", "remote centre in W, aimed at the target; [0, 0, 0]: the layout's"}, c.base_m,
                  {-500.0, 500.0});
+        v.path({"meshes",
+                "folder of your own shaft, wrist, jaw_left, jaw_right (.obj, .stl or .ply) to draw; a link "
+                "that isn't there keeps the tool's own"},
+               c.meshes);
+        v.number({"mesh_scale_m", "metres a unit of these meshes: 0.001 for millimetres; no default"},
+                 c.mesh_scale_m, {0.0, 1000.0});
         v.section({"recording", "motion: replay"}, [&] {
             v.path({"file",
                     "a sequence's kinematics.csv, bare joints q1..q6 (.csv), or JIGSAWS' 76 columns (.txt)"},
@@ -122,6 +130,30 @@ void visit_arms(FieldVisitor& v, ArmsConfig& c) {
         v.number({"force_N", "pull of the thread at which an arm stops"}, c.pull.force_N, {0.001, 100.0});
     });
     v.number({"time_scale", "above 1 the arms truly move that much faster"}, c.time_scale, {0.01, 20.0});
+}
+
+void visit_sensor(FieldVisitor& v, SensorConfig& c) {
+    v.choice({"preset", "ideal: 8 bits of the light itself; realistic: vignetting, auto-gain, noise, JPEG"},
+             c.preset, {"ideal", "realistic"});
+    v.number({"exposure", "factor on the light; with auto-gain, less light is more noise"}, c.exposure,
+             {0.001, 100.0});
+    v.choice({"auto_gain", "brings the mean of both images to a fixed level, by up to 4 times"}, c.auto_gain,
+             {"preset", "off", "on"});
+    v.number({"vignetting", "0: none, 1: the natural cos^4 law; -1: the preset's"}, c.vignetting,
+             {-1.0, 1.0});
+    v.number({"read_noise", "standard deviation in the dark, of full scale; -1: the preset's"}, c.read_noise,
+             {-1.0, 0.5});
+    v.number({"shot_noise",
+              "growth of the noise's variance to full scale, in read-noise variances; -1: the preset's"},
+             c.shot_noise, {-1.0, 1000.0});
+    v.integer({"jpeg_quality", "compression; 0: none, -1: the preset's"}, c.jpeg_quality, -1, 100);
+    v.number({"exposure_time_ms", "motion blur over this time before a frame; 0: none"}, c.exposure_time_s,
+             {0.0, 100.0});
+    v.number({"right_eye_delay_ms", "the left eye is this much older than the right"}, c.right_eye_delay_s,
+             {0.0, 100.0});
+    v.number({"calibration_error",
+              "how far the calibration that is told is from the cameras, in typical errors; 0: exact"},
+             c.calibration_error, {0.0, 20.0});
 }
 
 void visit_cut(FieldVisitor& v, CutConfig& c) {
@@ -235,11 +267,10 @@ void visit_fields(FieldVisitor& v, SceneConfig& c) {
         v.flag({"shadows", "cast shadows"}, c.render.shadows);
         v.text({"back_end", "off-screen back end; the bytes are the same"}, c.render.back_end,
                {"osmesa", "egl"});
+        v.number({"blur_px", "point spread of the lens, standard deviation on a 640 wide image; 0: none"},
+                 c.render.blur_px, {0.0, 5.0});
     });
-    v.section({"sensor", "the camera chips"}, [&] {
-        v.choice({"preset", "ideal: no noise, no vignetting; realistic: the full chain"}, c.sensor.preset,
-                 {"ideal", "realistic"});
-    });
+    v.section({"sensor", "the camera chips"}, [&] { visit_sensor(v, c.sensor); });
     v.section({"tracker", "the thread tracker"}, [&] { visit_tracker(v, c.tracking); });
     v.section({"cut", "what the scissors are asked to do"}, [&] { visit_cut(v, c.cut); });
 }

@@ -17,7 +17,8 @@ struct CameraConfig {
     int width_px = 0;         ///< 0: as calibrated; otherwise the rig is scaled to this width
     int height_px = 0;        ///< 0: follows from the width
     double fps_hz = 30.0;
-    double working_distance_m = 0.0;                                  ///< 0: the preset's
+    double working_distance_m = 0.0;  ///< 0: the preset's
+    double k1 = 0.0, k2 = 0.0;        ///< added to the radial distortion of both eyes
     Eigen::Vector3d hand_eye_position_m = Eigen::Vector3d::Zero();    ///< lens in the ECM's tip frame
     Eigen::Vector3d hand_eye_rotation_rad = Eigen::Vector3d::Zero();  ///< rotation vector
 };
@@ -69,6 +70,8 @@ struct ArmConfig {
     std::string motion;  ///< hold | manipulate | scissors | waypoints | replay | mid_grasp | pull
     std::string holds;   ///< start | end | nothing
     Eigen::Vector3d base_m = Eigen::Vector3d::Zero();  ///< remote centre in W; zero: the layout's
+    std::string meshes{};       ///< folder of a user's meshes of its links; empty: the tool's own
+    double mesh_scale_m = 0.0;  ///< metres a unit of theirs
     RecordingConfig recording{};
     WaypointConfig waypoints{};
 };
@@ -113,12 +116,25 @@ struct RenderConfig {
     RenderPreset preset = RenderPreset::kFast;
     bool shadows = false;
     std::string back_end = "osmesa";
+    double blur_px = 0.55;  ///< Gaussian point spread of the lens on a 640 wide image
 };
 
 enum class SensorPreset { kIdeal, kRealistic };
 
+enum class AutoGain { kPreset, kOff, kOn };
+
+/// The camera chips. Negative: the preset's own.
 struct SensorConfig {
     SensorPreset preset = SensorPreset::kRealistic;
+    double exposure = 1.0;  ///< factor on the light
+    AutoGain auto_gain = AutoGain::kPreset;
+    double vignetting = -1.0;
+    double read_noise = -1.0;
+    double shot_noise = -1.0;
+    int jpeg_quality = -1;
+    double exposure_time_s = 0.0;    ///< motion blur
+    double right_eye_delay_s = 0.0;  ///< the right eye is read out later
+    double calibration_error = 0.0;  ///< of the rig that is told, in typical errors
 };
 
 enum class TipSource { kMeasured, kExact, kNone };

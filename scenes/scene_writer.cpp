@@ -163,6 +163,10 @@ StereoRig scene_rig(const CameraConfig& camera) {
             throw std::invalid_argument(fmt::format("camera.height_px is {}, expected {} for a width of {}",
                                                     camera.height_px, rig.left.height_px, rig.left.width_px));
     }
+    for (Camera* eye : {&rig.left, &rig.right}) {
+        eye->distortion[0] += camera.k1;
+        eye->distortion[1] += camera.k2;
+    }
     return rig;
 }
 
