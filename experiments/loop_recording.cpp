@@ -7,6 +7,7 @@
 
 #include "experiments/csv_file.hpp"
 #include "experiments/picture_file.hpp"
+#include "render/calibration_error.hpp"
 #include "scenes/file_error.hpp"
 #include "scenes/scene_file.hpp"
 
@@ -137,7 +138,9 @@ std::string replay_inputs(const fs::path& run_folder) {
     }
     robot::PsmArm scissors(psms[kScissorsArm], joints_of(start, kScissorsArm, 1),
                            start.number(kScissorsArm, 7));
-    const scenes::StereoRig rig = scenes::scene_rig(scene.camera);
+    scenes::StereoRig rig = scenes::scene_rig(scene.camera);
+    if (scene.sensor.calibration_error > 0.0)  // as Testbed::told_rig
+        rig = render::told_rig(rig, render::CalibrationError{} * scene.sensor.calibration_error, scene.seed);
     ScissorsPilot pilot(scene, rig, arms, load_instruments(scene), scissors);
 
     InputReader inputs(folder);
