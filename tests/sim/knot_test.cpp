@@ -101,6 +101,52 @@ INSTANTIATE_TEST_SUITE_P(Diameters, OverhandKnot,
                                            Pull{0.30, 5e-8, 1.0}, Pull{0.30, 5e-8, 3.0},
                                            Pull{0.50, 5e-8, 1.0}, Pull{0.50, 5e-8, 3.0}));
 
+struct LooseKnot {
+    double thickness;  // diameter over the loop's radius
+    double T_R2_EI;    // pull times radius squared over bending stiffness
+};
+
+/// An overhand knot without friction, 60 mm of 300 in its loop, at rest.
+LooseKnot loose_overhand_at_rest(double diameter_m) {
+    const int edges = 300;
+    const double length = 0.3, used = 0.06, EI = 1e-8;
+    const ThreadState state = testing::with_length(
+        state_along(testing::loose_overhand(length).resampled(edges + 1).points), length);
+    RodParameters parameters;
+    parameters.diameter_m = diameter_m;
+    parameters.EI_N_m2 = EI;
+    parameters.self_friction = 0.0;
+    parameters.gravity_W_m_s2.setZero();
+    parameters.drag_N_s_m2 = 2e-2;
+    Rod rod(state, parameters);
+    Boundary ends{{{0, state.p_W.front()}, {edges, state.p_W.back()}}, {}};
+    testing::run(rod, ends, 0.3);
+    rod.parameters().drag_N_s_m2 = 2e-3;
+    const Vector3d apart = (state.p_W.back() - state.p_W.front()).normalized();
+    double span = (state.p_W.back() - state.p_W.front()).norm();
+    for (; span < length - used; span += 4e-5) {
+        ends.nodes[0].p_W -= 2e-5 * apart;
+        ends.nodes[1].p_W += 2e-5 * apart;
+        testing::run(rod, ends, 1e-3);
+    }
+    rod.parameters().max_newton_in_contact = 10;
+    rod.parameters().contact_tolerance_m = 1e-8;
+    testing::run(rod, ends, 0.5);
+    const double radius = (length - span) / (2 * M_PI);
+    const double pull = 0.5 * (rod.pull_on_node_N(0) - rod.pull_on_node_N(edges)).dot(apart);
+    EXPECT_EQ(testing::knot_determinant(rod.state().p_W, kView), 3);
+    return {diameter_m / radius, std::abs(pull) * radius * radius / EI};
+}
+
+TEST(LooseKnot, pulls_when_loose_and_smooth_by_the_law_of_thin_knots) {
+    // Audoly, Clauvelin, Neukirch 2007: T R^2 / EI = 1/2 in the limit, approached from above.
+    const LooseKnot thin = loose_overhand_at_rest(5e-5), thicker = loose_overhand_at_rest(2e-4);
+    std::printf("loose overhand: T R^2/EI %.3f at d/R %.4f, %.3f at %.4f\n", thin.T_R2_EI, thin.thickness,
+                thicker.T_R2_EI, thicker.thickness);
+    EXPECT_NEAR(thin.T_R2_EI, 0.5, 0.05);
+    EXPECT_GT(thicker.T_R2_EI, thin.T_R2_EI);
+}
+
 TEST(SquareKnot, holds_when_pulled_tight) {
     const scenes::Polyline curve = testing::loose_square_knot(0.7e-3);
     const int edges = 160;
