@@ -44,15 +44,40 @@ class Mesentery final : public SurfacePainter {
         return relief_m_ * (1.7f * hills_.fractal(28.0f * x, 28.0f * y, 3) + 0.30f * bulge * lobule(x, y));
     }
 
-    SurfacePoint at(float x, float y) const override {
-        const float fat = fat_share(x, y), lobe = lobule(x, y);
-        const float blotch = blood_.fractal(55.0f * x, 55.0f * y, 4),
-                    fine = grain_.fractal(420.0f * x, 420.0f * y, 4);
+    SurfacePoint at(float x, float y) const override { return row(std::span(&x, 1), y)[0]; }
+
+    std::vector<SurfacePoint> row(std::span<const float> x_m, float y) const override {
+        const auto fractal = [&](const NoiseField& field, float scale_x, float shift, float scale_y,
+                                 int octaves) {
+            std::vector<float> x(x_m.size());
+            for (std::size_t i = 0; i < x.size(); ++i) x[i] = scale_x * x_m[i] + shift;
+            return field.fractal(x, scale_y * y, octaves);
+        };
+        const auto blotch = fractal(blood_, 55.0f, 0.0f, 55.0f, 4),
+                   fine = fractal(grain_, 420.0f, 0.0f, 420.0f, 4),
+                   folds = fractal(grain_, 130.0f, 3.0f, 95.0f, 3),
+                   film = fractal(fluid_, 210.0f, 0.0f, 210.0f, 3),
+                   puddles = fractal(fluid_, 70.0f, 0.0f, 70.0f, 3),
+                   fat = fractal(fat_, 24.0f, 5.0f, 24.0f, 4);
+        std::vector<SurfacePoint> points;
+        points.reserve(x_m.size());
+        for (std::size_t i = 0; i < x_m.size(); ++i)
+            points.push_back(point(x_m[i], y, {blotch[i], fine[i], folds[i], film[i], puddles[i], fat[i]}));
+        return points;
+    }
+
+  private:
+    struct Noise {
+        float blotch, fine, folds, film, puddles, fat;
+    };
+
+    SurfacePoint point(float x, float y, const Noise& n) const {
+        const float fat = fat_share(x, y, n.fat), lobe = lobule(x, y);
         const Eigen::Vector3f pale(0.60f, 0.26f, 0.215f), red(0.37f, 0.085f, 0.068f),
             yellow(0.74f, 0.50f, 0.17f);
-        Eigen::Vector3f colour = pale + smoothstep(-0.35f, 0.45f, blotch) * (red - pale);
-        colour *= 1.0f + 0.30f * fine;
-        const Eigen::Vector3f lobe_colour = yellow * (0.62f + 0.42f * lobe) * (1.0f + 0.12f * fine);
+        Eigen::Vector3f colour = pale + smoothstep(-0.35f, 0.45f, n.blotch) * (red - pale);
+        colour *= 1.0f + 0.30f * n.fine;
+        const Eigen::Vector3f lobe_colour = yellow * (0.62f + 0.42f * lobe) * (1.0f + 0.12f * n.fine);
         colour += fat * (lobe_colour - colour);
 
         const float deep = (1.0f - 0.55f * fat) * vessels_.at(x, y),
@@ -61,21 +86,20 @@ class Mesentery final : public SurfacePainter {
         colour += 0.80f * deep * (vein - colour);
         colour += 0.55f * shallow * (artery - colour);
 
-        const float folds = 1.0f - std::abs(grain_.fractal(130.0f * x + 3.0f, 95.0f * y, 3)) * 2.0f;
+        const float folds = 1.0f - std::abs(n.folds) * 2.0f;
         SurfacePoint p;
         p.colour = colour;
-        p.detail_m = 1.3e-4f * (1.0f - fat) * folds + 2.6e-5f * fine + 2.2e-4f * deep + 5e-5f * shallow +
-                     3.2e-4f * fat * lobe + 9e-5f * fluid_.fractal(210.0f * x, 210.0f * y, 3);
-        p.roughness =
-            std::clamp(0.62f + 0.9f * fluid_.fractal(70.0f * x, 70.0f * y, 3) + 0.15f * fat, 0.25f, 1.0f);
+        p.detail_m = 1.3e-4f * (1.0f - fat) * folds + 2.6e-5f * n.fine + 2.2e-4f * deep + 5e-5f * shallow +
+                     3.2e-4f * fat * lobe + 9e-5f * n.film;
+        p.roughness = std::clamp(0.62f + 0.9f * n.puddles + 0.15f * fat, 0.25f, 1.0f);
         return p;
     }
 
-  private:
+    float fat_share(float x, float y, float noise) const {
+        return smoothstep(0.10f, 0.26f, noise + 0.10f * fat_.smooth(260.0f * x, 260.0f * y));
+    }
     float fat_share(float x, float y) const {
-        return smoothstep(
-            0.10f, 0.26f,
-            fat_.fractal(24.0f * x + 5.0f, 24.0f * y, 4) + 0.10f * fat_.smooth(260.0f * x, 260.0f * y));
+        return fat_share(x, y, fat_.fractal(24.0f * x + 5.0f, 24.0f * y, 4));
     }
 
     // 1 in the middle of a lobule of fat, 0 in the seams between.

@@ -32,7 +32,7 @@ static float mix(float a, float b, float t) {
     return a + t * (b - a);
 }
 
-float NoiseField::smooth(float x, float y) const {
+inline float NoiseField::smooth_at(float x, float y) const {
     const float fx = std::floor(x), fy = std::floor(y), u = x - fx, v = y - fy;
     const int ix = static_cast<int>(fx), iy = static_cast<int>(fy);
     const auto ease = [](float t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); };
@@ -41,6 +41,10 @@ float NoiseField::smooth(float x, float y) const {
     const float high =
         mix(gradient(ix, iy + 1, u, v - 1.0f), gradient(ix + 1, iy + 1, u - 1.0f, v - 1.0f), su);
     return 1.4f * mix(low, high, sv);
+}
+
+float NoiseField::smooth(float x, float y) const {
+    return smooth_at(x, y);
 }
 
 float NoiseField::fractal(float x, float y, int octaves) const {
@@ -52,6 +56,20 @@ float NoiseField::fractal(float x, float y, int octaves) const {
         const float turned = 1.6f * x + 1.2f * y;
         y = 1.6f * y - 1.2f * x + 17.3f;
         x = turned;
+    }
+    return sum;
+}
+
+std::vector<float> NoiseField::fractal(std::span<const float> x, float y, int octaves) const {
+    std::vector<float> sum(x.size(), 0.0f), at_x(x.begin(), x.end()), at_y(x.size(), y);
+    float weight = 0.5f;
+    for (int i = 0; i < octaves; ++i, weight *= 0.5f) {
+        for (std::size_t k = 0; k < x.size(); ++k) {
+            sum[k] += weight * smooth_at(at_x[k], at_y[k]);
+            const float turned = 1.6f * at_x[k] + 1.2f * at_y[k];
+            at_y[k] = 1.6f * at_y[k] - 1.2f * at_x[k] + 17.3f;
+            at_x[k] = turned;
+        }
     }
     return sum;
 }

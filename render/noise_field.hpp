@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
+#include <vector>
 
 namespace atropos::render {
 
@@ -17,6 +19,9 @@ class NoiseField {
     /// Sum of `octaves` of it, each twice as fine and half as strong.
     float fractal(float x, float y, int octaves) const;
 
+    /// The same at (x, y) of each x: several at once in the processor's vectors, to the same bytes.
+    std::vector<float> fractal(std::span<const float> x, float y, int octaves) const;
+
     /// Worley 1996: distance to the nearest and second nearest of one random point a unit cell.
     struct Cells {
         float nearest, second;
@@ -26,6 +31,7 @@ class NoiseField {
   private:
     std::uint32_t hash(int x, int y) const;
     float gradient(int x, int y, float dx, float dy) const;
+    float smooth_at(float x, float y) const;
 
     std::uint32_t seed_;
 };

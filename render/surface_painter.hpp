@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "render/tissue.hpp"
@@ -24,6 +25,12 @@ class SurfacePainter {
     virtual scenes::Material material() const = 0;
     virtual float height_m(float x_m, float y_m) const = 0;
     virtual SurfacePoint at(float x_m, float y_m) const = 0;
+    /// The same for a row of points.
+    virtual std::vector<SurfacePoint> row(std::span<const float> x_m, float y_m) const {
+        std::vector<SurfacePoint> points;
+        for (const float x : x_m) points.push_back(at(x, y_m));
+        return points;
+    }
 };
 
 std::unique_ptr<SurfacePainter> make_mesentery(const TissueOptions& options, std::uint64_t seed);

@@ -70,11 +70,13 @@ std::pair<Texture, Texture> paint(const TissueOptions& o, const SurfacePainter& 
     std::vector<float> detail_m, roughness;
     const float step_x = static_cast<float>(o.size_x_m) / static_cast<float>(n);
     const float step_y = static_cast<float>(o.size_y_m) / static_cast<float>(n);
+    std::vector<float> x_m;
+    for (int i = 0; i < n; ++i)
+        x_m.push_back((static_cast<float>(i) + 0.5f - 0.5f * static_cast<float>(n)) * step_x);
     for (int j = 0; j < n; ++j) {
-        for (int i = 0; i < n; ++i) {
-            const SurfacePoint p =
-                painter.at((static_cast<float>(i) + 0.5f - 0.5f * static_cast<float>(n)) * step_x,
-                           (static_cast<float>(j) + 0.5f - 0.5f * static_cast<float>(n)) * step_y);
+        const auto row =
+            painter.row(x_m, (static_cast<float>(j) + 0.5f - 0.5f * static_cast<float>(n)) * step_y);
+        for (const SurfacePoint& p : row) {
             for (int c = 0; c < 3; ++c) colour.rgba.push_back(byte(srgb(p.colour[c])));
             colour.rgba.push_back(255);
             detail_m.push_back(p.detail_m);
