@@ -133,8 +133,10 @@ void Testbed::build_arms(const robot::Layout& layout) {
             const robot::Psm psm(robot::tool(placement.tool));
             if (holds) start.X_WG[index] = placement.X_WB * psm.forward(q) * psm.tool().X_TG;
         } else {
-            q = starting_joints(
-                i, holds ? start.X_WG[index] : defaults.X_WS_parked(placement.X_WB.translation()));
+            const Vector3d p_WB = placement.X_WB.translation(), park = arm_config(scene_, i).park_m;
+            q = starting_joints(i, holds              ? start.X_WG[index]
+                                   : park.isZero(0.0) ? defaults.X_WS_parked(p_WB)
+                                                      : robot::LayoutDefaults::X_WS_parked_at(park, p_WB));
         }
         arms_[index] = std::make_unique<robot::RobotArm>(placement, tree_, q, jaw, imperfection, scene_.seed);
     }

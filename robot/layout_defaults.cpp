@@ -33,7 +33,11 @@ Isometry3d LayoutDefaults::X_WS(const Vector3d& p_WS, const Vector3d& tangent_W,
 }
 
 Isometry3d LayoutDefaults::X_WS_parked(const Vector3d& p_WB) const {
-    return X_WS(park_distance_m * p_WB.normalized(), Vector3d::UnitX(), p_WB);
+    return X_WS_parked_at(park_distance_m * p_WB.normalized(), p_WB);
+}
+
+Isometry3d LayoutDefaults::X_WS_parked_at(const Vector3d& p_WS, const Vector3d& p_WB) {
+    return X_WS(p_WS, Vector3d::UnitX(), p_WB);
 }
 
 IkResult<Joints> joints_for(const Psm& psm, const Isometry3d& X_WB, const Isometry3d& X_WF,

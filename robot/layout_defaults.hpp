@@ -35,6 +35,8 @@ struct LayoutDefaults {
 
     /// Blade frame of the parked third arm.
     Eigen::Isometry3d X_WS_parked(const Eigen::Vector3d& p_WB) const;
+    /// The same with the blade point at `p_WS`.
+    static Eigen::Isometry3d X_WS_parked_at(const Eigen::Vector3d& p_WS, const Eigen::Vector3d& p_WB);
 };
 
 /// Joints that put the tool frame X_TF (grip or blade) of an arm at X_WF; the roll nearest to `q_near`'s.

@@ -83,6 +83,8 @@ void visit_arm(FieldVisitor& v, std::string_view name, ArmConfig& c) {
                c.meshes);
         v.number({"mesh_scale_m", "metres a unit of these meshes: 0.001 for millimetres; no default"},
                  c.mesh_scale_m, {0.0, 1000.0});
+        v.vector({"park_mm", "PSM3: where the blades wait, in W; [0, 0, 0]: the layout's"}, c.park_m,
+                 {-500.0, 500.0});
         v.section({"recording", "motion: replay"}, [&] {
             v.path({"file",
                     "a sequence's kinematics.csv, bare joints q1..q6 (.csv), or JIGSAWS' 76 columns (.txt)"},

@@ -72,6 +72,8 @@ struct ArmConfig {
     Eigen::Vector3d base_m = Eigen::Vector3d::Zero();  ///< remote centre in W; zero: the layout's
     std::string meshes{};       ///< folder of a user's meshes of its links; empty: the tool's own
     double mesh_scale_m = 0.0;  ///< metres a unit of theirs
+    Eigen::Vector3d park_m =
+        Eigen::Vector3d::Zero();  ///< of the third arm's blade point, in W; zero: the layout's
     RecordingConfig recording{};
     WaypointConfig waypoints{};
 };
