@@ -25,6 +25,7 @@ constexpr double kModelSigma_m = 3e-4;     // no innovation below this is a jump
 // What a tracker's sigmas leave out: along the thread a point is known by the ends alone and slides for some
 // frames at a time; 0.2 mm where the ends are known to 0.3 mm.
 constexpr double kSlideSigma_m = 4e-4, kJitterSigma_m = 1.5e-4;
+constexpr double kSwing_m_s = 0.010;  // of the thread against its grips, where no frames came
 constexpr double kLongestExtrapolation_s = 0.5;
 constexpr double kBelieveJumpAfter_s = 0.3;
 
@@ -140,6 +141,7 @@ bool ThreadPredictor::plausible(const scenes::ThreadEstimate& estimate) {
 ThreadPredictor::Verdict ThreadPredictor::observe(const scenes::ThreadEstimate& estimate) {
     const double now = estimate.capture_time_s;
     if (now <= last_capture_s_) return refuse(Verdict::kUnusable, "estimates out of order");
+    const double unseen_s = std::min(now - last_capture_s_, kLongestExtrapolation_s);
     last_capture_s_ = now;
     if (estimate.status != scenes::TrackStatus::kTracking)
         return refuse(Verdict::kUnusable, std::string("tracker ") + scenes::to_string(estimate.status));
@@ -178,7 +180,8 @@ ThreadPredictor::Verdict ThreadPredictor::observe(const scenes::ThreadEstimate& 
         const bool surprising = relative_.surprise(now, relative, wide, drive(grips)) > kMaxSurprise;
         if (surprising && jumped_since_s_ < 0.0) jumped_since_s_ = now;
         // However long the thread was out of sight, the grips tell too much for it to be elsewhere.
-        if (jump > options_.max_jump_m || (surprising && now - jumped_since_s_ <= kBelieveJumpAfter_s))
+        if (jump > options_.max_jump_m + kSwing_m_s * unseen_s ||
+            (surprising && now - jumped_since_s_ <= kBelieveJumpAfter_s))
             return refuse(Verdict::kJumped, text("the estimate jumped by %.1f mm", 1e3 * jump));
         if (surprising) forget();
     }
