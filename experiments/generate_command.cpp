@@ -111,9 +111,18 @@ void write_one(const PlannedSequence& sequence, const fs::path& folder, const Ge
     place.commit();
 }
 
+/// Whether an earlier run has come to its end. Throws when it was of another command.
+bool is_whole(const std::vector<PlannedSequence>& sequences, const GenerateOptions& options) {
+    if (!fs::exists(fs::path(options.output) / "dataset.json")) return false;
+    return std::all_of(sequences.begin(), sequences.end(), [&](const PlannedSequence& sequence) {
+        return is_done(fs::path(options.output) / sequence.entry.name, sequence, options);
+    });
+}
+
 int generate(const GenerateOptions& options) {
-    check_output(options.output, options.common.force);
     const std::vector<PlannedSequence> sequences = plan(options);
+    if (options.resume && is_whole(sequences, options)) return kDone;
+    check_output(options.output, options.common.force);
     if (!options.common.quiet) say_cost(sequences, options);
     OutputFolder output(
         options.output, options.common.force,

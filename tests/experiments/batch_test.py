@@ -233,6 +233,7 @@ class Datasets(Folder):
         self.generate("data", "--count", 3, "--rectified", "--coco")
         seconds = time.time() - begin
         data = self.folder / "data"
+        self.generate("data", "--count", 3, "--rectified", "--coco", "--resume")  # nothing left to do
         self.assertIn("verified", atropos("info", data, "--verify", check=0).stdout)
         dataset = json.loads((data / "dataset.json").read_text())
         self.assertEqual((dataset["count"], dataset["frames"]), (3, 18))
