@@ -64,7 +64,7 @@ TEST(LayoutDefaults, holders_reach_their_grips_far_from_all_limits) {
     const Scene s;
     for (size_t i = 0; i < 2; ++i) {
         const Joints q = s.holding(i);
-        const auto& limits = s.psm(i).limits();
+        const auto limits = s.psm(i).limits();
         for (int j = 0; j < 6; ++j) {
             const double room = j == 2 ? 0.02 : 0.4;
             EXPECT_GT(q[j], limits.lower[j] + room) << "PSM" << i + 1 << " joint " << j;
