@@ -138,9 +138,7 @@ std::string replay_inputs(const fs::path& run_folder) {
     }
     robot::PsmArm scissors(psms[kScissorsArm], joints_of(start, kScissorsArm, 1),
                            start.number(kScissorsArm, 7));
-    scenes::StereoRig rig = scenes::scene_rig(scene.camera);
-    if (scene.sensor.calibration_error > 0.0)  // as Testbed::told_rig
-        rig = render::told_rig(rig, render::CalibrationError{} * scene.sensor.calibration_error, scene.seed);
+    const scenes::StereoRig rig = told_rig(scene);
     ScissorsPilot pilot(scene, rig, arms, load_instruments(scene), scissors);
 
     InputReader inputs(folder);

@@ -83,13 +83,16 @@ robot::Layout scene_layout(const scenes::SceneConfig& scene) {
     return layout;
 }
 
+scenes::StereoRig told_rig(const scenes::SceneConfig& scene) {
+    const scenes::StereoRig rig = scenes::scene_rig(scene.camera);
+    if (!(scene.sensor.calibration_error > 0.0)) return rig;
+    return render::told_rig(rig, render::CalibrationError{} * scene.sensor.calibration_error, scene.seed);
+}
+
 Testbed::~Testbed() = default;
 
 Testbed::Testbed(const scenes::SceneConfig& scene)
-    : scene_(scene), rig_(scenes::scene_rig(scene.camera)), told_rig_(rig_) {
-    if (scene.sensor.calibration_error > 0.0)
-        told_rig_ =
-            render::told_rig(rig_, render::CalibrationError{} * scene.sensor.calibration_error, scene.seed);
+    : scene_(scene), rig_(scenes::scene_rig(scene.camera)), told_rig_(experiments::told_rig(scene)) {
     const robot::Layout layout = scene_layout(scene);
     tree_ = robot::frame_tree(layout, rig_);
     X_WC_ = tree_.pose("W", "C");

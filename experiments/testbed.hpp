@@ -87,6 +87,9 @@ class Testbed {
 /// Where the arms' remote centres are, with the scene's instruments.
 robot::Layout scene_layout(const scenes::SceneConfig& scene);
 
+/// The calibration that everybody is told: the scene's, off by its calibration error.
+scenes::StereoRig told_rig(const scenes::SceneConfig& scene);
+
 /// The thread's options from the scene's keys: a material by name, each figure replaceable.
 sim::ThreadOptions thread_options(const scenes::ThreadConfig& config);
 

@@ -13,6 +13,7 @@
 #include "scenes/scene_file.hpp"
 #include "tests/experiments/temporary_folder.hpp"
 #include "tests/sim/knot.hpp"
+#include "tests/support/real_data.hpp"
 
 namespace atropos::experiments {
 namespace {
@@ -208,13 +209,13 @@ TEST_F(Replaying, refuses_a_recording_with_its_first_offending_row) {
 }
 
 TEST_F(Replaying, puts_the_real_recording_on_the_third_arm) {
-    const char* data = std::getenv("ATROPOS_DATA");
-    if (!data) GTEST_SKIP() << "ATROPOS_DATA is not set";
+    const auto file = support::real_data("dvrk-psm-recording.csv");
+    if (!file) GTEST_SKIP() << support::kNoRealData;
     const std::string text =
         "duration_s: 5\ntissue: {preset: none}\narms:\n  accuracy: perfect\n"
         "  PSM1: {motion: hold}\n  PSM2: {motion: hold}\n"
         "  PSM3: {tool: large_needle_driver, motion: replay, recording: {file: " +
-        (fs::path(data) / "dvrk-psm-recording.csv").string() + "}}\n";
+        file->string() + "}}\n";
     const scenes::SceneConfig config = parsed(text);
     EXPECT_THAT(describe_arms(config), HasSubstr("4.99 s of"));
     EXPECT_THAT(describe_arms(config), HasSubstr("values clamped to limits: 1"));

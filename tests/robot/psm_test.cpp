@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "tests/robot/random_joints.hpp"
+#include "tests/support/real_data.hpp"
 
 namespace atropos::robot {
 namespace {
@@ -189,11 +190,9 @@ struct Row {
     Joints q;
     Isometry3d X_BT;
 };
-std::vector<Row> recording() {
+std::vector<Row> recording(const std::filesystem::path& path) {
     std::vector<Row> rows;
-    const char* folder = std::getenv("ATROPOS_DATA");
-    if (!folder) return rows;
-    std::ifstream file(std::string(folder) + "/dvrk-psm-recording.csv");
+    std::ifstream file(path);
     std::string line;
     std::getline(file, line);
     while (std::getline(file, line)) {
@@ -214,8 +213,9 @@ std::vector<Row> recording() {
 }
 
 TEST(Psm, reproduces_the_recording_of_a_real_arm) {
-    const auto rows = recording();
-    if (rows.empty()) GTEST_SKIP() << "ATROPOS_DATA is not set";
+    const auto file = support::real_data("dvrk-psm-recording.csv");
+    if (!file) GTEST_SKIP() << support::kNoRealData;
+    const auto rows = recording(*file);
     ASSERT_EQ(rows.size(), 500u);
     const Psm psm = needle_driver();
     double sum = 0.0, worst = 0.0;

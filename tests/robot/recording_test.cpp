@@ -8,6 +8,7 @@
 
 #include "robot/reach_report.hpp"
 #include "tests/robot/default_arms.hpp"
+#include "tests/support/real_data.hpp"
 
 namespace atropos::robot {
 namespace {
@@ -118,9 +119,9 @@ TEST(Recording, values_just_past_a_limit_are_clamped_and_counted_and_others_refu
 }
 
 TEST(Recording, the_real_recording_replays_with_one_clamped_value) {
-    const char* folder = std::getenv("ATROPOS_DATA");
-    if (!folder) GTEST_SKIP() << "ATROPOS_DATA is not set";
-    std::ifstream in(std::string(folder) + "/dvrk-psm-recording.csv");
+    const auto file = support::real_data("dvrk-psm-recording.csv");
+    if (!file) GTEST_SKIP() << support::kNoRealData;
+    std::ifstream in(*file);
     const auto r = read_recording_csv(in, "dvrk-psm-recording.csv", 100.0);
     ASSERT_EQ(r.size(), 1u);
     EXPECT_EQ(r[0].frame_id, "joints");
