@@ -5,7 +5,7 @@
 namespace atropos::experiments {
 namespace {
 
-constexpr double kMemory = 0.9;  // of a frame's counts in the next
+constexpr double kMemory = 0.6;  // of the counts before, each time it learns
 constexpr int kStride = 2;
 constexpr double kUnknown = 2e-4;  // share of pixels of a colour below which nothing is known
 

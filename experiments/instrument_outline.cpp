@@ -57,7 +57,13 @@ std::vector<std::vector<Vector3d>> slices(const std::vector<render::MeshPart>& p
 }
 
 /// Those points that are farthest in some of many directions (a Fibonacci sphere).
-Eigen::Matrix3Xd extreme(const std::vector<Vector3d>& points) {
+Eigen::Matrix3Xd extreme(std::vector<Vector3d> points) {
+    // Each vertex comes once for each of its edges.
+    const auto before = [](const Vector3d& a, const Vector3d& b) {
+        return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+    };
+    std::sort(points.begin(), points.end(), before);
+    points.erase(std::unique(points.begin(), points.end()), points.end());
     std::vector<size_t> chosen;
     for (int i = 0; i < kDirections; ++i) {
         const double z = 1.0 - (2.0 * i + 1.0) / kDirections,
@@ -110,6 +116,16 @@ std::vector<InstrumentOutline::Polygon> InstrumentOutline::project(
         polygons.push_back(std::move(polygon));
     }
     return polygons;
+}
+
+void InstrumentOutline::move(const scenes::Camera& camera,
+                             std::span<const Isometry3d, robot::kLinkCount> X_EL,
+                             std::vector<Polygon>& polygons) {
+    for (Polygon& polygon : polygons)
+        for (size_t k = 0; k < polygon.px.size(); ++k) {
+            const Vector3d p_E = X_EL[static_cast<size_t>(polygon.link)] * polygon.p_L[k];
+            if (p_E.z() >= kNearest_m) polygon.px[k] = camera.project(p_E);
+        }
 }
 
 void paint(const std::vector<InstrumentOutline::Polygon>& polygons, int value, cv::Mat& mask) {

@@ -35,6 +35,11 @@ class InstrumentOutline {
     std::vector<Polygon> project(const scenes::Camera& camera,
                                  std::span<const Eigen::Isometry3d, robot::kLinkCount> X_EL) const;
 
+    /// Takes the corners to where they are seen with the links elsewhere, not far away: which points are
+    /// corners stays. A twentieth of the cost of projecting anew.
+    static void move(const scenes::Camera& camera, std::span<const Eigen::Isometry3d, robot::kLinkCount> X_EL,
+                     std::vector<Polygon>& polygons);
+
   private:
     std::vector<Piece> pieces_;
 };

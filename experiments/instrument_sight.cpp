@@ -23,6 +23,7 @@ constexpr double kForget_m = 0.15;  // way over which the shift becomes another 
 constexpr double kCreep_m_s = 0.001;
 constexpr double kShape_m = 0.00015;  // outline of the pieces against the instrument's
 constexpr double kTurnNoise = 0.1, kTurnNoise_rad = 0.002;
+constexpr int kLearnEvery = 5;      // frames: colours change slowly
 constexpr double kPlayShare = 0.8;  // cables rest near the ends of their play more often than not
 
 /// Where along a profile (px from its middle, outwards) the instrument ends; false without a clear border.
@@ -165,14 +166,26 @@ std::optional<robot::InstrumentOffset> InstrumentSight::offset(const Vector3d& p
                                    std::sqrt(depth)};
 }
 
-std::vector<InstrumentOutline::Polygon> InstrumentSight::outline(const EyeView& eye) const {
-    Links links = links_C(x_);
-    for (Isometry3d& link : links) link = eye.X_EC * link;
-    return outline_.project(*eye.camera, links);
+void InstrumentSight::project(const std::array<EyeView, 2>& eyes) {
+    const Links links_C = this->links_C(x_);
+    for (size_t side = 0; side < 2; ++side) {
+        Links links = links_C;
+        for (Isometry3d& link : links) link = eyes[side].X_EC * link;
+        polygons_[side] = outline_.project(*eyes[side].camera, links);
+    }
 }
 
-void InstrumentSight::collect(const EyeView& eye, int number, const Parameters& x, double reach_px,
-                              Covariance& H, Parameters& g) {
+void InstrumentSight::move(const std::array<EyeView, 2>& eyes, const Parameters& x) {
+    const Links links_C = this->links_C(x);
+    for (size_t side = 0; side < 2; ++side) {
+        Links links = links_C;
+        for (Isometry3d& link : links) link = eyes[side].X_EC * link;
+        InstrumentOutline::move(*eyes[side].camera, links, polygons_[side]);
+    }
+}
+
+void InstrumentSight::collect(const EyeView& eye, size_t side, int number, const Parameters& x,
+                              double reach_px, Covariance& H, Parameters& g) {
     constexpr double kSmall_rad = 1e-4;
     const Links links = links_C(x);
     std::array<Links, 3> turned;
@@ -181,15 +194,13 @@ void InstrumentSight::collect(const EyeView& eye, int number, const Parameters& 
         moved[3 + i] += kSmall_rad;
         turned[static_cast<size_t>(i)] = links_C(moved);
     }
-    Links links_E = links;
-    for (Isometry3d& link : links_E) link = eye.X_EC * link;
-    const auto polygons = outline_.project(*eye.camera, links_E);
-    cv::Mat own = cv::Mat::zeros(eye.labels.size(), CV_8U);
-    paint(polygons, 1, own);
+    own_.create(eye.labels.size(), CV_8U);
+    own_.setTo(0);
+    paint(polygons_[side], 1, own_);
 
     std::vector<float> profile;
     const int reach = static_cast<int>(std::lround(reach_px));
-    for (const auto& polygon : polygons) {
+    for (const auto& polygon : polygons_[side]) {
         const size_t n = polygon.px.size();
         Vector2d middle = Vector2d::Zero();
         for (const Vector2d& px : polygon.px) middle += px / static_cast<double>(n);
@@ -204,8 +215,8 @@ void InstrumentSight::collect(const EyeView& eye, int number, const Parameters& 
                 const double share = (s + 0.5) / samples;
                 const Vector2d px = a + share * (b - a), beyond = px + kBeyond_px * normal;
                 const int there = label_at(eye.labels, beyond);
-                if (there < 0 || own.at<std::uint8_t>(static_cast<int>(std::lround(beyond.y())),
-                                                      static_cast<int>(std::lround(beyond.x()))) != 0)
+                if (there < 0 || own_.at<std::uint8_t>(static_cast<int>(std::lround(beyond.y())),
+                                                       static_cast<int>(std::lround(beyond.x()))) != 0)
                     continue;
                 if (there != 0 && there != number + 1) continue;
                 if (!read(eye.probability, px, normal, reach, profile)) continue;
@@ -245,22 +256,32 @@ bool InstrumentSight::look(const std::array<EyeView, 2>& eyes, int number) {
         H = prior_information;
         Parameters g = -prior_information * (x - x_);
         tried_ = fitted_ = 0;
-        for (const EyeView& eye : eyes) collect(eye, number, x, reach_px, H, g);
+        move(eyes, x);
+        for (size_t side = 0; side < 2; ++side) collect(eyes[side], side, number, x, reach_px, H, g);
         x += H.ldlt().solve(g);
         for (int i = 0; i < 3; ++i) x[3 + i] = std::clamp(x[3 + i], -prior_.play_rad[i], prior_.play_rad[i]);
     }
     support_ = tried_ > 0 ? static_cast<double>(fitted_) / tried_ : 0.0;
     seen_ = tried_ >= kLeastSamples && support_ >= kLeastSupport && x.allFinite();
-    if (!seen_) return false;
-    x_ = x;
-    P_ = H.inverse();
-    return true;
+    if (seen_) {
+        x_ = x;
+        P_ = H.inverse();
+    }
+    move(eyes, x_);
+    return seen_;
 }
 
-InstrumentSights::InstrumentSights(const scenes::StereoRig& rig, std::vector<InstrumentSight> sights)
-    : rig_(rig), sights_(std::move(sights)) {
+InstrumentSights::InstrumentSights(const scenes::StereoRig& rig, std::vector<InstrumentSight> sights,
+                                   int threads)
+    : rig_(rig), sights_(std::move(sights)), pool_(threads) {
     eyes_[0] = {&rig_.left, Isometry3d::Identity(), {}, {}};
     eyes_[1] = {&rig_.right, rig_.X_RC, {}, {}};
+}
+
+void InstrumentSights::label(size_t eye) {
+    eyes_[eye].labels.setTo(0);
+    for (size_t i = 0; i < sights_.size(); ++i)
+        paint(sights_[i].outline(eye), static_cast<int>(i) + 1, eyes_[eye].labels);
 }
 
 void InstrumentSights::learn(size_t eye, const cv::Mat& image) {
@@ -275,22 +296,26 @@ void InstrumentSights::learn(size_t eye, const cv::Mat& image) {
 void InstrumentSights::look(const cv::Mat& left, const cv::Mat& right,
                             const std::array<ArmReading, kArms>& arms) {
     const std::array<const cv::Mat*, 2> images = {&left, &right};
-    for (size_t i = 0; i < sights_.size(); ++i) sights_[i].predict(arms[i]);
-    const auto label = [&](size_t eye) {
-        eyes_[eye].labels = cv::Mat::zeros(images[eye]->size(), CV_8U);
-        for (size_t i = 0; i < sights_.size(); ++i)
-            paint(sights_[i].outline(eyes_[eye]), static_cast<int>(i) + 1, eyes_[eye].labels);
-    };
-    for (size_t eye = 0; eye < 2; ++eye) {
+    const int count = static_cast<int>(sights_.size());
+    pool_.run(count, [&](int i) {
+        const auto arm = static_cast<size_t>(i);
+        sights_[arm].predict(arms[arm]);
+        sights_[arm].project(eyes_);
+    });
+    pool_.run(2, [&](int side) {
+        const auto eye = static_cast<size_t>(side);
+        eyes_[eye].labels.create(images[eye]->size(), CV_8U);
         label(eye);
         if (!colours_[eye].learned()) learn(eye, *images[eye]);
         eyes_[eye].probability = colours_[eye].probability(*images[eye]);
-    }
-    for (size_t i = 0; i < sights_.size(); ++i) sights_[i].look(eyes_, static_cast<int>(i));
-    for (size_t eye = 0; eye < 2; ++eye) {
+    });
+    pool_.run(count, [&](int i) { sights_[static_cast<size_t>(i)].look(eyes_, i); });
+    if (looks_++ % kLearnEvery != 0) return;
+    pool_.run(2, [&](int side) {
+        const auto eye = static_cast<size_t>(side);
         label(eye);
         learn(eye, *images[eye]);
-    }
+    });
 }
 
 }  // namespace atropos::experiments

@@ -10,6 +10,7 @@
 #include "experiments/instrument_outline.hpp"
 #include "robot/scissors_input.hpp"
 #include "scenes/stereo_rig.hpp"
+#include "scenes/worker_pool.hpp"
 
 namespace atropos::experiments {
 
@@ -42,12 +43,15 @@ class InstrumentSight {
     /// Carries the belief on to what `arm` measures now.
     void predict(const ArmReading& arm);
 
+    /// Draws the outline where it is believed to be. Once a frame, before `look`.
+    void project(const std::array<EyeView, 2>& eyes);
+
     /// Fits the outline to both eyes; false when too little of it is seen. `number`: of this arm in the
     /// labels.
     bool look(const std::array<EyeView, 2>& eyes, int number);
 
-    /// The outline in one eye, as believed.
-    std::vector<InstrumentOutline::Polygon> outline(const EyeView& eye) const;
+    /// The outline in one eye (0 left, 1 right), as last drawn or fitted.
+    const std::vector<InstrumentOutline::Polygon>& outline(size_t eye) const { return polygons_[eye]; }
 
     /// Tip as believed.
     Eigen::Isometry3d X_CT() const;
@@ -64,8 +68,9 @@ class InstrumentSight {
     using Links = std::array<Eigen::Isometry3d, robot::kLinkCount>;
     Links links_C(const Parameters& x) const;
     Eigen::Isometry3d X_CT(const Parameters& x) const;
-    void collect(const EyeView& eye, int number, const Parameters& x, double reach_px, Covariance& H,
-                 Parameters& g);
+    void move(const std::array<EyeView, 2>& eyes, const Parameters& x);
+    void collect(const EyeView& eye, size_t side, int number, const Parameters& x, double reach_px,
+                 Covariance& H, Parameters& g);
 
     InstrumentOutline outline_;
     SightPrior prior_;
@@ -74,6 +79,8 @@ class InstrumentSight {
     bool started_ = false, seen_ = false;
     Parameters x_ = Parameters::Zero();
     Covariance P_;
+    std::array<std::vector<InstrumentOutline::Polygon>, 2> polygons_;
+    cv::Mat own_;  // of one eye: pixels inside the outline
     double support_ = 0.0;
     int tried_ = 0, fitted_ = 0;
 };
@@ -81,7 +88,7 @@ class InstrumentSight {
 /// All instruments in both images, with the colours they share.
 class InstrumentSights {
   public:
-    InstrumentSights(const scenes::StereoRig& rig, std::vector<InstrumentSight> sights);
+    InstrumentSights(const scenes::StereoRig& rig, std::vector<InstrumentSight> sights, int threads);
     InstrumentSights(const InstrumentSights&) = delete;
     InstrumentSights& operator=(const InstrumentSights&) = delete;
 
@@ -91,12 +98,15 @@ class InstrumentSights {
     const InstrumentSight& operator[](int arm) const { return sights_[static_cast<size_t>(arm)]; }
 
   private:
+    void label(size_t eye);
     void learn(size_t eye, const cv::Mat& image);
 
     scenes::StereoRig rig_;
     std::vector<InstrumentSight> sights_;
     std::array<InstrumentSight::EyeView, 2> eyes_;
     std::array<InstrumentColours, 2> colours_;
+    scenes::WorkerPool pool_;
+    long looks_ = 0;
 };
 
 }  // namespace atropos::experiments

@@ -6,20 +6,23 @@
 
 namespace atropos::experiments {
 using Eigen::Vector3d;
+using scenes::ThreadEstimate;
+using scenes::TrackStatus;
 namespace {
 
 // One sigma of a tip's error in each axis without the wrist's play: hand-eye and the first three joints.
 constexpr double kCalibratedShift_m = 0.0008, kUncalibratedShift_m = 0.0022;
 
-robot::CutEvidence evidence(tracker::CutVerdict verdict) {
-    switch (verdict) {
-        case tracker::CutVerdict::kCut:
-            return robot::CutEvidence::kCut;
-        case tracker::CutVerdict::kIntact:
-            return robot::CutEvidence::kIntact;
-        default:
-            return robot::CutEvidence::kUnknown;
-    }
+constexpr double kLearnContrast = 0.2;
+
+tracker::CutCheckOptions cut_check_options(const scenes::TrackerConfig& config) {
+    tracker::CutCheckOptions options;
+    options.width_m = config.thread.width_m;
+    options.polarity = config.thread.polarity;
+    options.channel = config.thread.channel;
+    options.contrast_levels = config.refined.contrast_levels;
+    options.instrument_sigma_m = config.refined.instrument_sigma_m;
+    return options;
 }
 
 }  // namespace
@@ -64,7 +67,7 @@ ScissorsPilot::ScissorsPilot(const scenes::SceneConfig& scene, const scenes::Ste
                                robot::Imperfection::of(scene_.arms.accuracy).play};
         std::vector<InstrumentSight> sights;
         for (const render::InstrumentModel& instrument : instruments) sights.emplace_back(instrument, prior);
-        sights_ = std::make_unique<InstrumentSights>(rig_, std::move(sights));
+        sights_ = std::make_unique<InstrumentSights>(rig_, std::move(sights), scene.tracking.tracker.threads);
     }
     command_ = std::make_unique<robot::ScissorsCommand>(options, scissors, arms[kScissorsArm].X_CB);
 }
@@ -84,18 +87,52 @@ void ScissorsPilot::look_at_instruments(tracker::StereoFrame& frame, const ArmRe
     }
 }
 
-std::optional<robot::CutCheck> ScissorsPilot::check_cut(const tracker::StereoFrame& frame) const {
-    if (status().state != robot::ScissorsState::kVerify || before_close_.samples.empty()) return std::nullopt;
-    tracker::CutCheckOptions options;
-    const scenes::TrackerConfig& config = scene_.tracking.tracker;
-    options.width_m = config.thread.width_m;
-    options.polarity = config.thread.polarity;
-    options.channel = config.thread.channel;
-    options.contrast_levels = config.refined.contrast_levels;
-    options.instrument_sigma_m = config.refined.instrument_sigma_m;
-    const double s_m = scene_.cut.fraction * before_close_.length_m();
-    const tracker::CutCheck seen = tracker::check_cut(frame, rig_, before_close_, s_m, options);
-    return robot::CutCheck{frame.capture_time_s, evidence(seen.verdict)};
+void ScissorsPilot::remember_whole(const tracker::StereoFrame& frame, const ThreadEstimate& estimate) {
+    if (status().close_time_s >= 0.0 || estimate.status != TrackStatus::kTracking) return;
+    whole_.estimate = estimate;
+    whole_.tips = frame.tips;
+    if (status().state != robot::ScissorsState::kFollow) return;
+    const double s_m = scene_.cut.fraction * estimate.length_m();
+    const double levels =
+        tracker::check_cut(frame, rig_, estimate, s_m, cut_check_options(scene_.tracking.tracker))
+            .usual_levels;
+    double& usual = whole_.contrast_levels;
+    usual = usual > 0.0 ? usual + kLearnContrast * (levels - usual) : levels;
+}
+
+/// The thread as it was, carried on by its grips.
+ThreadEstimate ScissorsPilot::carried(const tracker::StereoFrame& frame) const {
+    ThreadEstimate expected = whole_.estimate;
+    const double length_m = expected.length_m();
+    for (scenes::ThreadSample& sample : expected.samples)
+        for (size_t end : {0, 1}) {
+            if (!frame.tips[end] || !whole_.tips[end]) continue;
+            const double share = end == 0 ? 1.0 - sample.s_m / length_m : sample.s_m / length_m;
+            sample.p_C += share * (frame.tips[end]->p_C - whole_.tips[end]->p_C);
+        }
+    return expected;
+}
+
+/// Whole is what the tracker follows through the place; cut, what passes neither there nor where a whole
+/// thread would be.
+std::optional<robot::CutCheck> ScissorsPilot::check_cut(const tracker::StereoFrame& frame,
+                                                        const ThreadEstimate& estimate) const {
+    if (status().state != robot::ScissorsState::kVerify || whole_.estimate.samples.empty())
+        return std::nullopt;
+    tracker::CutCheckOptions options = cut_check_options(scene_.tracking.tracker);
+    options.usual_levels = whole_.contrast_levels;
+    const auto verdict = [&](const ThreadEstimate& curve) {
+        return tracker::check_cut(frame, rig_, curve, scene_.cut.fraction * curve.length_m(), options)
+            .verdict;
+    };
+    using tracker::CutVerdict;
+    robot::CutCheck check{frame.capture_time_s, robot::CutEvidence::kUnknown};
+    const bool tracking = estimate.status == TrackStatus::kTracking;
+    const CutVerdict followed = tracking ? verdict(estimate) : CutVerdict::kCut;
+    if (followed == CutVerdict::kIntact) check.evidence = robot::CutEvidence::kIntact;
+    if (followed == CutVerdict::kCut && verdict(carried(frame)) == CutVerdict::kCut)
+        check.evidence = robot::CutEvidence::kCut;
+    return check;
 }
 
 const tracker::TrackResult* ScissorsPilot::see(int frame, double time_s, const cv::Mat& left,
@@ -109,11 +146,11 @@ const tracker::TrackResult* ScissorsPilot::see(int frame, double time_s, const c
     f.right = right;
     look_at_instruments(f, arms);
     const tracker::TrackResult& tracked = tracker_->track(f);
-    if (status().close_time_s < 0.0) before_close_ = tracked.estimate;
+    remember_whole(f, tracked.estimate);
     Message message{time_s + scene_.tracking.latency_s,
                     substitute_ ? substitute_(tracked.estimate) : tracked.estimate,
                     {},
-                    check_cut(f)};
+                    check_cut(f, tracked.estimate)};
     for (int arm = 0; arm < kArms && sights_; ++arm) {
         const robot::Tool& tool = arms[static_cast<size_t>(arm)].psm->tool();
         message.offsets[static_cast<size_t>(arm)] =

@@ -56,7 +56,10 @@ class ScissorsPilot {
         std::optional<robot::CutCheck> cut_check;
     };
     void look_at_instruments(tracker::StereoFrame& frame, const ArmReadings& arms);
-    std::optional<robot::CutCheck> check_cut(const tracker::StereoFrame& frame) const;
+    void remember_whole(const tracker::StereoFrame& frame, const scenes::ThreadEstimate& estimate);
+    scenes::ThreadEstimate carried(const tracker::StereoFrame& frame) const;
+    std::optional<robot::CutCheck> check_cut(const tracker::StereoFrame& frame,
+                                             const scenes::ThreadEstimate& estimate) const;
     robot::ScissorsInput input(double time_s, const ArmReadings& arms);
 
     scenes::SceneConfig scene_;
@@ -68,7 +71,12 @@ class ScissorsPilot {
     std::optional<std::array<Eigen::Vector3d, 2>> told_tips_C_;
     std::vector<Message> under_way_;
     std::optional<Message> arrived_;
-    scenes::ThreadEstimate before_close_;  ///< the last estimate before the blades closed
+    /// The thread when it was last seen whole, before the blades closed.
+    struct Whole {
+        scenes::ThreadEstimate estimate;
+        std::array<std::optional<tracker::MeasuredTip>, 2> tips;
+        double contrast_levels = 0.0;
+    } whole_;
     std::vector<scenes::Capsule> others_C_;
     double next_track_s_ = 0.0;
 };

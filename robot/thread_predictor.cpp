@@ -26,7 +26,10 @@ constexpr double kModelSigma_m = 3e-4;     // no innovation below this is a jump
 // frames at a time; 0.2 mm where the ends are known to 0.3 mm.
 constexpr double kSlideSigma_m = 4e-4, kJitterSigma_m = 1.5e-4;
 constexpr double kSwing_m_s = 0.010;  // of the thread against its grips, where no frames came
-constexpr double kLongestExtrapolation_s = 0.5;
+constexpr double kLongestUnseen_s = 0.5;
+// The thread's motion against its grips is a swing: what it does now says nothing of where it is a little
+// later.
+constexpr double kLongestExtrapolation_s = 0.15;
 constexpr double kBelieveJumpAfter_s = 0.3;
 
 // Point at arc length s: samples come at equal steps.
@@ -55,7 +58,7 @@ double cut_arc_length_m(const CutPlace& place, double length_m) {
 }
 
 ThreadPredictor::ThreadPredictor(const ScissorsOptions& options)
-    : options_(options), relative_(kRelative), grips_(kGrips) {}
+    : options_(options), relative_(kRelative), grips_(kGrips), spread_(kGrips) {}
 
 void ThreadPredictor::forget() {
     relative_ = MotionFilter(kRelative);
@@ -85,20 +88,28 @@ void ThreadPredictor::observe_grips(const ScissorsInput& input) {
             apart +=
                 (end == 1 ? 1.0 : -1.0) * (input.holders[end]->value.X_CT * options_.X_TG[end]).translation();
     }
+    remember({time_s, p, apart});
+}
+
+void ThreadPredictor::remember(const GripSample& grips) {
     head_ = (head_ + 1) % kHistory;
     count_ = std::min(count_ + 1, kHistory);
-    history_[head_] = {time_s, p, apart};
+    history_[head_] = grips;
     const Matrix3d R = kGripSigma_m * kGripSigma_m * Matrix3d::Identity();
-    if (grips_.started())
-        grips_.update(time_s, p, R);
-    else
-        grips_.start(time_s, p, R);
+    const auto follow = [&](MotionFilter& filter, const Vector3d& p) {
+        if (filter.started())
+            filter.update(grips.time_s, p, R);
+        else
+            filter.start(grips.time_s, p, R);
+    };
+    follow(grips_, grips.p);
+    follow(spread_, grips.apart);
 }
 
 ThreadPredictor::GripSample ThreadPredictor::grips_at(double time_s) const {
     if (count_ == 0) return {time_s, Vector3d::Zero(), Vector3d::Zero()};
     const GripSample& newest = history_[head_];
-    if (time_s >= newest.time_s) return {time_s, grips_.at(time_s).p, newest.apart};
+    if (time_s >= newest.time_s) return {time_s, grips_.at(time_s).p, spread_.at(time_s).p};
     for (size_t age = 1; age < count_; ++age) {
         const GripSample &before = past(age), &after = past(age - 1);
         if (before.time_s > time_s) continue;
@@ -141,7 +152,7 @@ bool ThreadPredictor::plausible(const scenes::ThreadEstimate& estimate) {
 ThreadPredictor::Verdict ThreadPredictor::observe(const scenes::ThreadEstimate& estimate) {
     const double now = estimate.capture_time_s;
     if (now <= last_capture_s_) return refuse(Verdict::kUnusable, "estimates out of order");
-    const double unseen_s = std::min(now - last_capture_s_, kLongestExtrapolation_s);
+    const double unseen_s = std::min(now - last_capture_s_, kLongestUnseen_s);
     last_capture_s_ = now;
     if (estimate.status != scenes::TrackStatus::kTracking)
         return refuse(Verdict::kUnusable, std::string("tracker ") + scenes::to_string(estimate.status));
@@ -209,7 +220,7 @@ ThreadPrediction ThreadPredictor::at(double time_s) const {
     ThreadPrediction prediction;
     prediction.p_C = relative.p + grips.p;
     if (time_s < farthest) prediction.v_C = relative.v;
-    if (grips_.started()) prediction.v_C += grips_.at(time_s).v;
+    if (grips_.started()) prediction.v_C += grips_.at(time_s).v + relative.R * spread_.at(time_s).v;
     prediction.tangent_C = tangent_;
     prediction.tracking = tracking_;
     return prediction;

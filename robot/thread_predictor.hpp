@@ -65,12 +65,13 @@ class ThreadPredictor {
     bool plausible(const scenes::ThreadEstimate& estimate);
     bool ends_at_grips(const scenes::ThreadEstimate& estimate);
     GripSample grips_at(double time_s) const;
+    void remember(const GripSample& grips);
     Eigen::Vector3d drive(const GripSample& grips) const { return grips.apart - apart_; }
     const GripSample& past(size_t age) const { return history_[(head_ + kHistory - age) % kHistory]; }
 
     ScissorsOptions options_;
     MotionFilter relative_;
-    MotionFilter grips_;
+    MotionFilter grips_, spread_;  // of the grips' weighted mean and of the way between them
     std::array<GripSample, kHistory> history_{};
     size_t head_ = 0;
     size_t count_ = 0;

@@ -102,6 +102,19 @@ bool agree(const Sight& left, const Sight& right, const Place& place, double sea
     return (A * moved - offsets).norm() < 1.5 && moved.norm() < 2.0 * sigma_m;
 }
 
+/// The thread's own contrast: of the best quarter of what lies away from the place.
+double usual_contrast(const std::vector<Place>& places, const std::vector<Sight>& left,
+                      const std::vector<Sight>& right, double s_m, double near_m) {
+    std::vector<double> depths;
+    for (std::size_t j = 0; j < places.size(); ++j)
+        if (std::abs(places[j].s_m - s_m) > near_m && left[j].valley && right[j].valley)
+            depths.push_back(std::min(left[j].depth_levels, right[j].depth_levels));
+    if (depths.empty()) return 0.0;
+    const auto upper = depths.begin() + static_cast<std::ptrdiff_t>(3 * depths.size() / 4);
+    std::nth_element(depths.begin(), upper, depths.end());
+    return *upper;
+}
+
 }  // namespace
 
 const char* to_string(CutVerdict verdict) {
@@ -125,17 +138,9 @@ CutCheck check_cut(const StereoFrame& frame, const scenes::StereoRig& rig,
     const std::vector<Sight> left = look(frame, rig, false, places, options);
     const std::vector<Sight> right = look(frame, rig, true, places, options);
 
-    // The thread's own contrast: of the best half of what lies away from the place.
-    std::vector<double> depths;
-    for (std::size_t j = 0; j < places.size(); ++j)
-        if (std::abs(places[j].s_m - s_m) > options.near_m && left[j].valley && right[j].valley)
-            depths.push_back(std::min(left[j].depth_levels, right[j].depth_levels));
-    double usual = 0.0;
-    if (!depths.empty()) {
-        const auto upper = depths.begin() + static_cast<std::ptrdiff_t>(3 * depths.size() / 4);
-        std::nth_element(depths.begin(), upper, depths.end());
-        usual = *upper;
-    }
+    const double usual = options.usual_levels > 0.0
+                             ? options.usual_levels
+                             : usual_contrast(places, left, right, s_m, options.near_m);
 
     struct Count {
         double places = 0.0, visible = 0.0, supported = 0.0;
@@ -156,8 +161,13 @@ CutCheck check_cut(const StereoFrame& frame, const scenes::StereoRig& rig,
     check.support_at = at.share();
     check.support_before = before.share();
     check.support_after = after.share();
+    check.usual_levels = usual;
     if (check.visible < options.least_visible) return check;
-    if (check.support_at >= options.intact_support) check.verdict = CutVerdict::kIntact;
+    const auto goes_on = [&](const Count& side) {
+        return side.visible == 0.0 || side.share() >= options.side_support;
+    };
+    if (check.support_at >= options.intact_support && goes_on(before) && goes_on(after))
+        check.verdict = CutVerdict::kIntact;
     if (check.support_at <= options.cut_support) check.verdict = CutVerdict::kCut;
     return check;
 }

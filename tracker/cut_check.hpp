@@ -21,13 +21,15 @@ struct CutCheckOptions {
     scenes::ThreadPolarity polarity = scenes::ThreadPolarity::kDark;
     scenes::ImageChannel channel = scenes::ImageChannel::kGray;
     double contrast_levels = 4.0;
-    double reach_m = 0.006;              ///< looked at on each side of the place
-    double near_m = 0.002;               ///< of it, what a cut opens
-    double search_m = 0.0025;            ///< the thread may have moved so far from the estimate
+    double usual_levels = 0.0;  ///< contrast of the thread when it was whole; 0: as on both sides now
+    double reach_m = 0.006;     ///< looked at on each side of the place
+    double near_m = 0.002;      ///< of it, what a cut opens
+    double search_m = 0.0025;   ///< the thread may have moved so far from the estimate
     double instrument_sigma_m = 0.0007;  ///< what an instrument hides, grown by two sigma, counts as unseen
     double least_visible = 0.6;          ///< share of the place that must be seen for a verdict
     double intact_support = 0.8;         ///< supported share of what is seen, from which the thread passes
     double cut_support = 0.35;           ///< and up to which it does not
+    double side_support = 0.5;           ///< an intact thread has on both sides, as far as they are seen
 };
 
 struct CutCheck {
@@ -36,6 +38,7 @@ struct CutCheck {
     double support_at = 0.0;      ///< supported share of the visible samples near the place
     double support_before = 0.0;  ///< on the side of end 0
     double support_after = 0.0;   ///< on the side of end 1
+    double usual_levels = 0.0;    ///< contrast of the thread, here or as given
 };
 
 /// Looks in both eyes whether a thread still passes through the place of a commanded cut: valleys across the

@@ -69,7 +69,7 @@ cv::Rect DiscreteSearch::reach(const EnergyContext& context, std::size_t eye_ind
             clamped(std::ceil(high.y() + margin.y())) - y0 + 1};
 }
 
-double DiscreteSearch::minimise(const EnergyContext& context, WorkerPool& pool,
+double DiscreteSearch::minimise(const EnergyContext& context, scenes::WorkerPool& pool,
                                 std::vector<Eigen::Vector3d>& control_points, std::span<int> labelling,
                                 StageTimings& timings) {
     const auto begin = std::chrono::steady_clock::now();

@@ -32,7 +32,7 @@ class DiscreteSearch {
 
     /// Moves `control_points` by the placed labels that minimise the approximate energy; `labelling` gets the
     /// label of each node. Adds the time spent to `timings`. Returns the approximate energy reached.
-    double minimise(const EnergyContext& context, WorkerPool& pool,
+    double minimise(const EnergyContext& context, scenes::WorkerPool& pool,
                     std::vector<Eigen::Vector3d>& control_points, std::span<int> labelling,
                     StageTimings& timings);
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "scenes/worker_pool.hpp"
 #include "tracker/chain_problem.hpp"
 #include "tracker/energy.hpp"
-#include "tracker/worker_pool.hpp"
 
 namespace atropos::tracker {
 
@@ -62,21 +62,21 @@ class Potentials {
   public:
     virtual ~Potentials() = default;
     virtual void fill(const EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
-                      const NodeLabels& labels, WorkerPool& pool, ChainProblem& chain) = 0;
+                      const NodeLabels& labels, scenes::WorkerPool& pool, ChainProblem& chain) = 0;
 };
 
 /// First approximation (eq. 10-14): data and length of each node with the others at rest, and |l_p - l_q|.
 class PotentialsE1 final : public Potentials {
   public:
     void fill(const EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
-              const NodeLabels& labels, WorkerPool& pool, ChainProblem& chain) override;
+              const NodeLabels& labels, scenes::WorkerPool& pool, ChainProblem& chain) override;
 };
 
 /// Second approximation (eq. 15-18): data and length of each pair of neighbours with the others at rest.
 class PotentialsE2 final : public Potentials {
   public:
     void fill(const EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
-              const NodeLabels& labels, WorkerPool& pool, ChainProblem& chain) override;
+              const NodeLabels& labels, scenes::WorkerPool& pool, ChainProblem& chain) override;
 };
 
 /// Adds the unary costs of measured ends (eq. 19), and those of the labels themselves; a fixed end may not

@@ -49,7 +49,7 @@ void fill_smoothness(const NodeLabels& labels, int p, double weight_per_m, int s
 }  // namespace
 
 void PotentialsE1::fill(const EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
-                        const NodeLabels& labels, WorkerPool& pool, ChainProblem& chain) {
+                        const NodeLabels& labels, scenes::WorkerPool& pool, ChainProblem& chain) {
     chain.clear();
     const bool distorted = context.eyes[0].is_distorted();
     pool.run(chain.nodes(), [&](int p) {

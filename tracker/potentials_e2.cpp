@@ -90,7 +90,7 @@ void fill_pair(const EnergyContext& context, std::span<const Eigen::Vector3d> co
 }  // namespace
 
 void PotentialsE2::fill(const EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
-                        const NodeLabels& labels, WorkerPool& pool, ChainProblem& chain) {
+                        const NodeLabels& labels, scenes::WorkerPool& pool, ChainProblem& chain) {
     chain.clear();
     const auto fill = context.eyes[0].is_distorted()                      ? fill_pair<Sight::kDistorted>
                       : !context.image_points && rows_agree(context.eyes) ? fill_pair<Sight::kParallel>

@@ -12,11 +12,11 @@ void StereoCostImages::begin(const StereoFrame& frame) {
     makers_[1].begin(frame.right);
 }
 
-void StereoCostImages::compute(WorkerPool& pool) {
+void StereoCostImages::compute(scenes::WorkerPool& pool) {
     pool.run(2, [&](int eye) { makers_[static_cast<std::size_t>(eye)].compute(); });
 }
 
-void StereoCostImages::make(const StereoFrame& frame, WorkerPool& pool) {
+void StereoCostImages::make(const StereoFrame& frame, scenes::WorkerPool& pool) {
     begin(frame);
     for (int eye = 0; eye < 2; ++eye) want(eye, {0, 0, frame.left.cols, frame.left.rows});
     compute(pool);

@@ -3,9 +3,9 @@
 #include <array>
 #include <vector>
 
+#include "scenes/worker_pool.hpp"
 #include "tracker/cost_image.hpp"
 #include "tracker/stereo_tracker.hpp"
-#include "tracker/worker_pool.hpp"
 
 namespace atropos::tracker {
 
@@ -18,10 +18,10 @@ class StereoCostImages {
     /// A new frame, of which nothing is known until it is asked for (CostImageMaker).
     void begin(const StereoFrame& frame);
     void want(int eye, const cv::Rect& region) { makers_[static_cast<std::size_t>(eye)].want(region); }
-    void compute(WorkerPool& pool);
+    void compute(scenes::WorkerPool& pool);
 
     /// The whole of both images of a new frame.
-    void make(const StereoFrame& frame, WorkerPool& pool);
+    void make(const StereoFrame& frame, scenes::WorkerPool& pool);
 
     std::array<const CostImage*, 2> costs() const { return {&makers_[0].cost(), &makers_[1].cost()}; }
 

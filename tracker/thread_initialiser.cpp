@@ -78,7 +78,7 @@ std::vector<Eigen::Vector3d> straight_line(int degree, int control_points, const
 std::optional<std::vector<Eigen::Vector3d>> initial_curve_between_tips(const scenes::TrackerConfig& config,
                                                                        const scenes::StereoRig& rig,
                                                                        const StereoFrame& frame,
-                                                                       WorkerPool& pool) {
+                                                                       scenes::WorkerPool& pool) {
     if (!frame.tips[0] || !frame.tips[1]) return std::nullopt;
     const Eigen::Vector3d& from = frame.tips[0]->p_C;
     const Eigen::Vector3d& to = frame.tips[1]->p_C;

@@ -3,9 +3,9 @@
 #include <optional>
 #include <vector>
 
+#include "scenes/worker_pool.hpp"
 #include "tracker/discrete_search.hpp"
 #include "tracker/stereo_tracker.hpp"
-#include "tracker/worker_pool.hpp"
 
 namespace atropos::tracker {
 
@@ -20,6 +20,6 @@ std::vector<Eigen::Vector3d> straight_line(int degree, int control_points, const
 std::optional<std::vector<Eigen::Vector3d>> initial_curve_between_tips(const scenes::TrackerConfig& config,
                                                                        const scenes::StereoRig& rig,
                                                                        const StereoFrame& frame,
-                                                                       WorkerPool& pool);
+                                                                       scenes::WorkerPool& pool);
 
 }  // namespace atropos::tracker

@@ -47,7 +47,7 @@ class ThreadTracker final : public StereoTracker {
     std::array<Eye, 2> eyes_;
     CurveSampling sampling_;
     EnergyWeights weights_;
-    WorkerPool pool_;
+    scenes::WorkerPool pool_;
     DiscreteSearch search_;
     EstimateSampler sampler_;
     std::optional<StereoCostImages> cost_images_;

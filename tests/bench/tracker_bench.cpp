@@ -80,7 +80,7 @@ struct Step {
     std::vector<Eigen::Vector3d> points;
     tracker::CurveSampling sampling{3, 8, 60};
     tracker::StereoCostImages images{scenes::TrackerConfig{}, {1.0}, 15};
-    tracker::WorkerPool pool{1};
+    scenes::WorkerPool pool{1};
     std::vector<double> speeds = std::vector<double>(60, 0.07);
     tracker::NodeLabels labels{8, 43};
     tracker::ChainProblem chain{8, 43};

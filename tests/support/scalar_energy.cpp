@@ -51,7 +51,7 @@ double scalar_V2ab(const EnergyContext& context, std::span<const Eigen::Vector3d
 }
 
 void ScalarPotentialsE1::fill(const EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
-                              const tracker::NodeLabels& labels, tracker::WorkerPool&,
+                              const tracker::NodeLabels& labels, scenes::WorkerPool&,
                               tracker::ChainProblem& chain) {
     chain.clear();
     for (int p = 0; p < chain.nodes(); ++p)
@@ -67,7 +67,7 @@ void ScalarPotentialsE1::fill(const EnergyContext& context, std::span<const Eige
 }
 
 void ScalarPotentialsE2::fill(const EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
-                              const tracker::NodeLabels& labels, tracker::WorkerPool&,
+                              const tracker::NodeLabels& labels, scenes::WorkerPool&,
                               tracker::ChainProblem& chain) {
     chain.clear();
     for (int p = 0; p + 1 < chain.nodes(); ++p)

@@ -17,13 +17,13 @@ double scalar_V2ab(const tracker::EnergyContext& context, std::span<const Eigen:
 class ScalarPotentialsE1 final : public tracker::Potentials {
   public:
     void fill(const tracker::EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
-              const tracker::NodeLabels& labels, tracker::WorkerPool& pool,
+              const tracker::NodeLabels& labels, scenes::WorkerPool& pool,
               tracker::ChainProblem& chain) override;
 };
 class ScalarPotentialsE2 final : public tracker::Potentials {
   public:
     void fill(const tracker::EnergyContext& context, std::span<const Eigen::Vector3d> control_points,
-              const tracker::NodeLabels& labels, tracker::WorkerPool& pool,
+              const tracker::NodeLabels& labels, scenes::WorkerPool& pool,
               tracker::ChainProblem& chain) override;
 };
 

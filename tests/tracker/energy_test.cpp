@@ -55,7 +55,7 @@ struct Scene {
 
     std::array<Eye, 2> eyes;
     CurveSampling sampling;
-    mutable WorkerPool pool{1};
+    mutable scenes::WorkerPool pool{1};
     StereoCostImages images;
     std::vector<Eigen::Vector3d> control_points;
     std::vector<double> speeds;
@@ -152,7 +152,7 @@ TEST(Potentials, equal_the_plain_scalar_ones) {
 TEST(Potentials, of_images_are_minimised_no_worse_than_by_iterated_conditional_modes) {
     ChainDp dp;
     ChainIcm icm;
-    WorkerPool pool(1);
+    scenes::WorkerPool pool(1);
     int problems = 0;
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
         Scene scene(scenes::parallel_rig(320, 180, 287.5, 0.005), seed);
@@ -181,7 +181,7 @@ TEST(Potentials, are_the_same_bytes_for_any_number_of_threads) {
     ChainProblem one(8, labels.labels());
     PotentialsE2().fill(scene.context(), scene.control_points, labels, scene.pool, one);
     for (const int threads : {2, 3, 7}) {
-        WorkerPool pool(threads);
+        scenes::WorkerPool pool(threads);
         ChainProblem many(8, labels.labels());
         PotentialsE2().fill(scene.context(), scene.control_points, labels, pool, many);
         for (int p = 0; p < 7; ++p)

@@ -1,6 +1,6 @@
-#include "tracker/worker_pool.hpp"
+#include "scenes/worker_pool.hpp"
 
-namespace atropos::tracker {
+namespace atropos::scenes {
 
 WorkerPool::WorkerPool(int threads) {
     for (int i = 1; i < threads; ++i) workers_.emplace_back([this] { work(); });
@@ -49,4 +49,4 @@ void WorkerPool::work() {
     }
 }
 
-}  // namespace atropos::tracker
+}  // namespace atropos::scenes

@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace atropos::tracker {
+namespace atropos::scenes {
 
 /// Runs independent tasks on some threads, the caller's among them. Tasks write to places of their own, so
 /// that the number of threads changes no byte. Starts its threads once; running tasks allocates nothing.
@@ -47,4 +47,4 @@ class WorkerPool {
     bool stop_ = false;
 };
 
-}  // namespace atropos::tracker
+}  // namespace atropos::scenes
