@@ -34,7 +34,7 @@ class Mesentery final : public SurfacePainter {
         scenes::Material m;
         m.base_colour.setOnes();
         m.roughness = 0.62f;
-        m.specular_f0 = 0.03f;
+        m.specular_f0 = 0.04f;
         m.wetness = 1.0f;
         return m;
     }
@@ -56,19 +56,20 @@ class Mesentery final : public SurfacePainter {
         const auto blotch = fractal(blood_, 55.0f, 0.0f, 55.0f, 4),
                    fine = fractal(grain_, 420.0f, 0.0f, 420.0f, 4),
                    folds = fractal(grain_, 130.0f, 3.0f, 95.0f, 3),
-                   film = fractal(fluid_, 210.0f, 0.0f, 210.0f, 3),
+                   wrinkles = fractal(fluid_, 330.0f, 0.0f, 420.0f, 2),
                    puddles = fractal(fluid_, 70.0f, 0.0f, 70.0f, 3),
                    fat = fractal(fat_, 24.0f, 5.0f, 24.0f, 4);
         std::vector<SurfacePoint> points;
         points.reserve(x_m.size());
         for (std::size_t i = 0; i < x_m.size(); ++i)
-            points.push_back(point(x_m[i], y, {blotch[i], fine[i], folds[i], film[i], puddles[i], fat[i]}));
+            points.push_back(
+                point(x_m[i], y, {blotch[i], fine[i], folds[i], wrinkles[i], puddles[i], fat[i]}));
         return points;
     }
 
   private:
     struct Noise {
-        float blotch, fine, folds, film, puddles, fat;
+        float blotch, fine, folds, wrinkles, puddles, fat;
     };
 
     SurfacePoint point(float x, float y, const Noise& n) const {
@@ -89,9 +90,10 @@ class Mesentery final : public SurfacePainter {
         const float folds = 1.0f - std::abs(n.folds) * 2.0f;
         SurfacePoint p;
         p.colour = colour;
-        p.detail_m = 1.3e-4f * (1.0f - fat) * folds + 2.6e-5f * n.fine + 2.2e-4f * deep + 5e-5f * shallow +
-                     3.2e-4f * fat * lobe + 9e-5f * n.film;
-        p.roughness = std::clamp(0.62f + 0.9f * n.puddles + 0.15f * fat, 0.25f, 1.0f);
+        const float wet = smoothstep(-0.15f, 0.25f, n.puddles);
+        p.detail_m = 2.4e-4f * (1.0f - fat) * folds + 5e-5f * n.fine + 4e-4f * deep + 1e-4f * shallow +
+                     7e-4f * fat * lobe + (4e-4f + 19e-4f * wet) * (1.0f - 0.6f * fat) * n.wrinkles;
+        p.roughness = std::clamp(0.9f - 0.55f * wet, 0.25f, 1.0f);
         return p;
     }
 

@@ -87,7 +87,7 @@ void main() {
 #ifdef TEXTURED
     vec3 root = texture(u_colour_map, v_uv).rgb;  // coded by a square root
     base *= root * root;
-    vec4 bump = texture(u_normal_map, v_uv);
+    vec4 bump = texture(u_normal_map, v_uv, -1.0);
     vec3 t = normalize(v_tangent - n * dot(n, v_tangent));
     vec3 b = cross(n, t);
     bump.xyz = bump.xyz * 2.0 - 1.0;
@@ -120,17 +120,15 @@ void main() {
     float grazing5 = grazing * grazing * grazing * grazing * grazing;
     vec3 fresnel = f0 + (1.0 - f0) * grazing5;
     float alpha = roughness * roughness;
-    vec3 colour = fresnel * (min(ggx(max(dot(n, h), 0.0), nl0, nv, alpha), 30.0) * nl0);
 #ifdef WET
-    // Light scattered below the surface softens the terminator, red most; a film of fluid mirrors the lamp.
+    // A film of fluid mirrors the lamp on every wrinkle. Light scattered below it evens them out, softens the
+    // terminator, red most.
+    vec3 colour = u_surface.w * fresnel * (min(ggx(max(dot(n, h), 0.0), nl0, nv, 0.06 + 0.4 * alpha), 120.0) * nl0);
     vec3 wrap = u_surface.w * vec3(0.30, 0.10, 0.07);
-    colour += diffuse * max((nl + wrap) / (1.0 + wrap), 0.0);
-    vec3 film_n = normalize(mix(smooth_n, n, 0.75));
-    float film_l = max(dot(film_n, l), 0.0);
-    colour += u_surface.w * (0.028 + 0.97 * grazing5) *
-              min(ggx(max(dot(film_n, h), 0.0), film_l, max(dot(film_n, v), 1e-3), 0.028 + 0.06 * alpha), 160.0) * film_l;
+    float soft_nl = dot(normalize(smooth_n + n), l);
+    colour += diffuse * max((soft_nl + wrap) / (1.0 + wrap), 0.0);
 #else
-    colour += diffuse * nl0;
+    vec3 colour = fresnel * (min(ggx(max(dot(n, h), 0.0), nl0, nv, alpha), 30.0) * nl0) + diffuse * nl0;
 #endif
     colour *= direct;
     vec3 r = reflect(-v, n);

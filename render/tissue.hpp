@@ -19,7 +19,7 @@ struct TissueOptions {
         "tissue";  ///< tissue (mesentery with fat and vessels), pad (suture trainer), drape (cloth)
     double size_x_m = 0.18;
     double size_y_m = 0.14;
-    double cell_m = 0.0008;    ///< edge of the grid's squares
+    double cell_m = 0.0015;    ///< edge of the grid's squares: 7 px at 120 mm on a 640 wide image, for speed
     double relief_m = 0.0035;  ///< height of hills over valleys, about
     int texture_px = 1024;     ///< a side
 };
