@@ -47,34 +47,61 @@ CurveRefinement::CurveRefinement(int control_points, int samples, const CurvePri
     }
 }
 
+// Nothing for a point that is not before the camera.
+std::optional<CurveRefinement::LineTerm> CurveRefinement::line_term(const LineMeasurement& line,
+                                                                    std::size_t eye, std::size_t sample,
+                                                                    const Eigen::Matrix3Xd& Q) const {
+    Eigen::Vector3d p = samples_[sample].point(Q);
+    if (eye == 1) p = rig_.X_RC * p;
+    if (p.z() < 1e-3) return std::nullopt;
+    Eigen::Matrix<double, 2, 3> J_px;
+    const Eigen::Vector2d px = (eye == 0 ? rig_.left : rig_.right).project(p, J_px);
+    LineTerm term{line.normal.dot(px - line.point_px), line.normal.transpose() * J_px};
+    if (eye == 1) term.by_point *= rig_.X_RC.linear();
+    return term;
+}
+
 double CurveRefinement::add_lines(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
                                   bool normal_equations) {
     double cost = 0.0;
     const double c2 = problem.robust_px * problem.robust_px;
-    for (std::size_t eye = 0; eye < 2; ++eye) {
-        const scenes::Camera& camera = eye == 0 ? rig_.left : rig_.right;
+    for (std::size_t eye = 0; eye < 2; ++eye)
         for (std::size_t j = 0; j < samples_.size(); ++j) {
             const LineMeasurement& line = problem.lines[eye][j];
             if (line.kind != LineMeasurement::Kind::kSeen) continue;
-            Eigen::Vector3d p = samples_[j].point(Q);
-            if (eye == 1) p = rig_.X_RC * p;
-            if (p.z() < 1e-3) {
+            const std::optional<LineTerm> term = line_term(line, eye, j, Q);
+            if (!term) {
                 cost += 1e6;
                 continue;
             }
-            Eigen::Matrix<double, 2, 3> J_px;
-            const Eigen::Vector2d px = camera.project(p, J_px);
-            const double r = line.normal.dot(px - line.point_px);
+            const double r2 = term->r_px * term->r_px;
             const double inverse_variance = 1.0 / (line.sigma_px * line.sigma_px);
-            cost += 0.5 * c2 * inverse_variance * std::log1p(r * r / c2);
-            if (!normal_equations) continue;
-            Eigen::RowVector3d by_point = line.normal.transpose() * J_px;
-            if (eye == 1) by_point *= rig_.X_RC.linear();
-            system_.add(samples_[j].first, by_control_points(samples_[j].value, by_point), 0.0, r,
-                        inverse_variance / (1.0 + r * r / c2));
+            cost += 0.5 * c2 * inverse_variance * std::log1p(r2 / c2);
+            if (normal_equations)
+                system_.add(samples_[j].first, by_control_points(samples_[j].value, term->by_point), 0.0,
+                            term->r_px, inverse_variance / (1.0 + r2 / c2));
         }
-    }
     return cost;
+}
+
+// N = H^-1 (sum of w J^T J) H^-1 at the control point: of the error H^-1 sum of w J^T r.
+Eigen::Matrix3d CurveRefinement::noise_part(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                                            const Eigen::MatrixXd& covariance, int k) const {
+    Eigen::Matrix3d part = Eigen::Matrix3d::Zero();
+    const double c2 = problem.robust_px * problem.robust_px;
+    for (std::size_t eye = 0; eye < 2; ++eye)
+        for (std::size_t j = 0; j < samples_.size(); ++j) {
+            const LineMeasurement& line = problem.lines[eye][j];
+            if (line.kind != LineMeasurement::Kind::kSeen) continue;
+            const std::optional<LineTerm> term = line_term(line, eye, j, Q);
+            if (!term) continue;
+            const Eigen::Vector3d moved = covariance.block<3, 12>(3 * k, 3 * samples_[j].first) *
+                                          by_control_points(samples_[j].value, term->by_point);
+            const double weight =
+                1.0 / (line.sigma_px * line.sigma_px * (1.0 + term->r_px * term->r_px / c2));
+            part += weight * moved * moved.transpose();
+        }
+    return part;
 }
 
 double CurveRefinement::add_length(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
@@ -134,10 +161,10 @@ double CurveRefinement::add_point(int k, const Eigen::Vector3d& error, double we
 double CurveRefinement::add_end(int k, const EndPrior& prior, const Eigen::Matrix3Xd& Q,
                                 bool normal_equations) {
     const Eigen::Vector3d error = Q.col(k) - prior.p_C;
-    const double squared = error.dot(prior.information * error);
+    const double squared = prior.squared_error(Q.col(k));
     const double c2 = prior.robust_sigmas * prior.robust_sigmas;
     if (normal_equations) {
-        const double weight = c2 > 0.0 ? 1.0 / (1.0 + squared / c2) : 1.0;
+        const double weight = prior.weight(Q.col(k));
         const Eigen::Matrix3d rows = prior.information.llt().matrixU();
         const Eigen::Vector3d r = rows * error;
         const int first = std::min(k, basis_.count() - 4);

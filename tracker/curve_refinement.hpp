@@ -33,6 +33,13 @@ struct EndPrior {
     Eigen::Vector3d p_C = Eigen::Vector3d::Zero();              ///< m
     Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  ///< inverse covariance
     double robust_sigmas = 0.0;                                 ///< Cauchy's scale; 0: none
+
+    double squared_error(const Eigen::Vector3d& p) const { return (p - p_C).dot(information * (p - p_C)); }
+
+    /// Of the information, for an end at `p` (IRLS).
+    double weight(const Eigen::Vector3d& p) const {
+        return robust_sigmas > 0.0 ? 1.0 / (1.0 + squared_error(p) / (robust_sigmas * robust_sigmas)) : 1.0;
+    }
 };
 
 /// An end known equally well in all directions; ends that do not move are known to 0.05 mm.
@@ -74,7 +81,19 @@ class CurveRefinement {
     bool covariance(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
                     Eigen::MatrixXd& covariance, double& length_variance);
 
+    /// The part of the covariance of control point `k` that the images' noise alone makes, with the other
+    /// terms taken for true; `covariance` is that of the solution, as above.
+    Eigen::Matrix3d noise_part(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                               const Eigen::MatrixXd& covariance, int k) const;
+
   private:
+    /// A line's residual and its derivative by the point in C.
+    struct LineTerm {
+        double r_px;
+        Eigen::RowVector3d by_point;
+    };
+    std::optional<LineTerm> line_term(const LineMeasurement& line, std::size_t eye, std::size_t sample,
+                                      const Eigen::Matrix3Xd& Q) const;
     double accumulate(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
                       bool normal_equations);
     double add_lines(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, bool normal_equations);

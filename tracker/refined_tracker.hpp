@@ -2,17 +2,15 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "tracker/curve_refinement.hpp"
-#include "tracker/end_belief.hpp"
-#include "tracker/grip_sight.hpp"
+#include "tracker/curve_sight.hpp"
 #include "tracker/loss_test.hpp"
+#include "tracker/measured_ends.hpp"
 #include "tracker/recovery.hpp"
 #include "tracker/stereo_tracker.hpp"
-#include "tracker/valley_association.hpp"
-#include "tracker/valley_filter.hpp"
 
 namespace atropos::tracker {
 
@@ -46,11 +44,9 @@ class RefinedTracker final : public StereoTracker {
 
     /// One look at the images and the fit that follows; px at 640.
     struct Round {
-        double search_px;
+        CurveSight::Look look;
         double robust_px;
         int iterations;
-        double threshold_share;
-        bool closely;
     };
 
     void begin(const NurbsCurve& initial);
@@ -58,31 +54,23 @@ class RefinedTracker final : public StereoTracker {
     NurbsCurve curve_of(const Eigen::Matrix3Xd& Q) const;
     void predict(const StereoFrame& frame);
     void refine(const StereoFrame& frame, double first_search_px, Fit& fit);
-    void place_instruments(const StereoFrame& frame);
-    void expect_ends(const StereoFrame& frame);
-    void look_at_grips(const StereoFrame& frame, const Fit& fit);
-    void learn_ends(const StereoFrame& frame);
-    void measure(const Fit& fit, const Round& round);
-    void measure_eye(const Fit& fit, std::size_t eye, const Round& round);
-    void localise(std::size_t eye);
     void recover(const StereoFrame& frame);
     bool start_from_tips(const StereoFrame& frame);
     void try_fit(const StereoFrame& frame, const NurbsCurve& curve, Fit& best);
-    void learn();
     void conclude(const StereoFrame& frame);
     void fill_estimate(const StereoFrame& frame);
     void show(std::string_view stage, const Eigen::Matrix3Xd& Q);
+    std::size_t method_state_size() const;
     const TrackResult& lost(const StereoFrame& frame);
 
     scenes::TrackerConfig config_;
     scenes::StereoRig rig_;
     double scale_;  ///< image width over 640
     CurveRefinement refinement_;
-    ValleyFilter filter_;
-    ValleyAssociation association_;
+    CurveSight sight_;
+    MeasuredEnds ends_;
     LossTestOptions loss_test_;
     Recovery recovery_;
-    GripSight grip_sight_;
 
     // What passes from frame to frame.
     bool started_ = false;
@@ -94,9 +82,6 @@ class RefinedTracker final : public StereoTracker {
     Eigen::Matrix3Xd velocity_m_s_;  ///< of the control points, beyond what the ends' motion explains
     double expected_length_m_ = 0.0;
     double expected_length_sigma_m_ = 0.0;
-    std::array<std::optional<Eigen::Vector3d>, 2> last_tips_C_;
-    std::array<std::vector<double>, 2> expected_depth_levels_;
-    std::array<EndBelief, 2> ends_;
 
     // Working memory of one frame.
     Eigen::Matrix3Xd expected_;
@@ -105,14 +90,8 @@ class RefinedTracker final : public StereoTracker {
     Fit other_;
     CurveProblem chosen_problem_;
     std::vector<scenes::Capsule> instruments_C_;
-    std::array<UncertainPoint, 2> expected_ends_;
-    std::array<std::optional<GripSighting>, 2> grips_;
     std::array<ImageView, 2> images_;
     std::array<cv::Mat, 2> buffers_;
-    std::vector<ValleyCandidates> candidates_;
-    std::vector<NormalLine> lines_;
-    std::vector<double> widths_px_;
-    std::vector<double> noises_;
     Eigen::MatrixXd covariance_;
     std::vector<double> arc_;
 

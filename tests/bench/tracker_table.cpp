@@ -5,6 +5,10 @@
 //   tracker_table ablation [FRAMES]               one choice changed at a time
 //   tracker_table sigmas CAMERA FOLDER [FRAMES]   standard deviations, on seeds apart from those above
 //   tracker_table tune   CAMERA [FRAMES]          a grid of parameters on seeds apart from those above
+//   tracker_table refined [FRAMES [SEEDS [CASE]]]           the refined tracker against its bounds; SEEDS as
+//   1-5 tracker_table refined-ablation [FRAMES [SEEDS [CASE]]]  one of its terms changed at a time, E1 and E2
+//   beside tracker_table refined-frames [FRAMES [SEEDS [CASE]]]    one line a frame tracker_table
+//   refined-worst FOLDER [FRAMES [SEEDS [CASE]]]  pictures of the ten worst frames of each case
 // FOLDER keeps what is done, so that an interrupted run goes on where it stopped.
 #include <malloc.h>
 
@@ -24,7 +28,24 @@ int main(int argc, char** argv) {
     const auto number = [&](std::size_t i, int otherwise) {
         return i < words.size() ? std::atoi(words[i].c_str()) : otherwise;
     };
+    const auto seeds = [&](std::size_t i) {
+        SeedRange range;
+        if (i >= words.size()) return range;
+        range.first = range.last = std::stoull(words[i]);
+        if (const auto dash = words[i].find('-'); dash != std::string::npos)
+            range.last = std::stoull(words[i].substr(dash + 1));
+        return range;
+    };
+    const std::string wanted = words.size() > 3 ? words[3] : "";
     try {
+        if (!words.empty() && words[0] == "refined")
+            return print_refined_table(number(1, 100), seeds(2), wanted);
+        if (!words.empty() && words[0] == "refined-ablation")
+            return print_refined_ablation(number(1, 100), seeds(2), wanted);
+        if (!words.empty() && words[0] == "refined-frames")
+            return print_refined_frames(number(1, 100), seeds(2), wanted);
+        if (words.size() >= 2 && words[0] == "refined-worst")
+            return draw_worst_frames(words[1], number(2, 100), seeds(3), words.size() > 4 ? words[4] : "");
         if (words.size() >= 3 && words[0] == "paper")
             return print_paper_table(words[1], words[2], number(3, 1000));
         if (words.size() >= 2 && words[0] == "rigs")
@@ -36,7 +57,8 @@ int main(int argc, char** argv) {
         if (words.size() >= 2 && words[0] == "tune") return print_tuning(words[1], number(2, 200));
         std::fprintf(stderr,
                      "tracker_table: unknown words, expected paper or sigmas CAMERA FOLDER, rigs FOLDER, "
-                     "starts, ablation or tune CAMERA\n");
+                     "starts, ablation, tune CAMERA, refined, refined-ablation, refined-frames or "
+                     "refined-worst FOLDER\n");
     } catch (const std::exception& error) {
         std::fprintf(stderr, "tracker_table: %s\n", error.what());
     }

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "tests/bench/refined_run.hpp"
+
 namespace atropos::bench {
 
 /// Each prints Markdown and returns 0 when every bound of it is met, 1 otherwise. `folder` keeps what is
@@ -18,5 +20,19 @@ int print_sigma_table(const std::string& camera, const std::string& folder, int 
 
 /// Means over a grid of label spacings and weights; always returns 0.
 int print_tuning(const std::string& camera, int frames);
+
+/// The refined tracker on the rows whose names begin with `wanted` (empty: all).
+int print_refined_table(int frames, const SeedRange& seeds, const std::string& wanted);
+
+/// The same with one term changed at a time, and the paper's trackers; always returns 0.
+int print_refined_ablation(int frames, const SeedRange& seeds, const std::string& wanted);
+
+/// One line for each frame of the refined tracker; always returns 0.
+int print_refined_frames(int frames, const SeedRange& seeds, const std::string& wanted);
+
+/// Writes the ten worst frames of each row to `folder`, truth green under the estimate in red, twice the
+/// size; always returns 0.
+int draw_worst_frames(const std::string& folder, int frames, const SeedRange& seeds,
+                      const std::string& wanted);
 
 }  // namespace atropos::bench

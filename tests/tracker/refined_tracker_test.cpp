@@ -80,6 +80,20 @@ TEST(RefinedTracker, finds_the_middle_from_grips_that_are_measured_millimetres_o
     EXPECT_LT(error_m, 0.0004);
 }
 
+TEST(RefinedTracker, leaves_well_measured_ends_where_they_are_while_a_vessel_runs_along_the_thread) {
+    const SyntheticSequenceOptions options{.seed = 105};
+    const SyntheticSequence sequence(options);
+    RefinedTracker tracker(config_for(options), options.rig);
+    double mean_m = 0.0;
+    for (int i = 0; i < 30; ++i) {
+        const SyntheticFrame drawn = sequence.frame(i);
+        const TrackResult& result = i == 0 ? tracker.start(frame_of(drawn, i), initial_curve(drawn.truth_C))
+                                           : tracker.track(frame_of(drawn, i));
+        mean_m += mean_distance_m(result.estimate, drawn.truth_C) / 30.0;
+    }
+    EXPECT_LT(mean_m, 0.00025);
+}
+
 TEST(RefinedTracker, follows_a_bright_thread) {
     EXPECT_LT(error_after({.seed = 32, .dark = false}, 6), 0.0004);
 }

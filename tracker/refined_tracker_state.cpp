@@ -1,0 +1,57 @@
+// What a refined tracker carries from one frame to the next.
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "tracker/refined_tracker.hpp"
+
+namespace atropos::tracker {
+
+// method_state: length and its sigma, velocities, what is known of the ends, expected depths of the thread.
+TrackerState RefinedTracker::state() const {
+    TrackerState state;
+    state.started = started_;
+    state.status = status_;
+    state.frames_unseen = frames_unseen_;
+    state.capture_time_s = capture_time_s_;
+    if (!started_) return state;
+    state.control_points = curve_of(fit_.Q).control_points();
+    state.method_state.resize(method_state_size());
+    double* out = state.method_state.data();
+    *out++ = expected_length_m_;
+    *out++ = expected_length_sigma_m_;
+    out = std::copy_n(velocity_m_s_.data(), velocity_m_s_.size(), out);
+    ends_.save(out);
+    sight_.save(out + MeasuredEnds::kStateSize);
+    return state;
+}
+
+void RefinedTracker::restore(const TrackerState& state) {
+    const std::size_t K = static_cast<std::size_t>(config_.refined.control_points);
+    if (state.started &&
+        (state.control_points.size() != K || state.method_state.size() != method_state_size()))
+        throw std::invalid_argument("a state of " + std::to_string(state.control_points.size()) +
+                                    " control points and " + std::to_string(state.method_state.size()) +
+                                    " numbers, expected one of this tracker with " + std::to_string(K) +
+                                    " and " + std::to_string(method_state_size()));
+    started_ = confirmed_ = state.started;
+    status_ = state.status;
+    frames_unseen_ = state.frames_unseen;
+    capture_time_s_ = state.capture_time_s;
+    if (!started_) return;
+    for (std::size_t k = 0; k < K; ++k) fit_.Q.col(static_cast<int>(k)) = state.control_points[k];
+    const double* in = state.method_state.data();
+    expected_length_m_ = *in++;
+    expected_length_sigma_m_ = *in++;
+    std::copy_n(in, velocity_m_s_.size(), velocity_m_s_.data());
+    in += velocity_m_s_.size();
+    ends_.load(in);
+    sight_.load(in + MeasuredEnds::kStateSize);
+}
+
+std::size_t RefinedTracker::method_state_size() const {
+    return 2 + static_cast<std::size_t>(velocity_m_s_.size()) + MeasuredEnds::kStateSize +
+           sight_.state_size();
+}
+
+}  // namespace atropos::tracker
