@@ -31,6 +31,7 @@ robot::ScissorsOptions scissors_options(const scenes::SceneConfig& scene) {
     robot::ScissorsOptions options;
     options.place.fraction = scene.cut.fraction;
     options.tolerance_m = scene.cut.tolerance_m;
+    options.sigmas = scene.cut.sigmas;
     options.max_attempts = scene.cut.max_attempts;
     // RMS of the blade point in C before images help (docs/arms.md).
     switch (scene.arms.accuracy) {

@@ -168,6 +168,8 @@ void visit_cut(FieldVisitor& v, CutConfig& c) {
     v.number({"tolerance_mm", "largest error along the thread that counts as cut"}, c.tolerance_m,
              {0.1, 20.0});
     v.integer({"max_attempts", "approaches before the command aborts"}, c.max_attempts, 1, 20);
+    v.number({"sigmas", "how many of its own sigmas a gate leaves room for; 0: none, as the paper cuts"},
+             c.sigmas, {0.0, 6.0});
 }
 
 void visit_tracker(FieldVisitor& v, TrackingConfig& c) {

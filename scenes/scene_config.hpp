@@ -165,6 +165,7 @@ struct CutConfig {
     double fraction = 0.5;  ///< of the span between the grips, from the end with the smaller arc length
     double tolerance_m = 0.002;
     int max_attempts = 3;
+    double sigmas = 2.0;  ///< of the predicted miss that must be inside the tolerance
 };
 
 /// A scene: everything a run depends on besides the program. SI units; the file's keys carry their own.
