@@ -60,7 +60,7 @@ void LayerBuffers::clear() const {
     gl_.ClearBufferfv(GL_DEPTH, 0, &far);
 }
 
-void LayerBuffers::copy_from(const LayerBuffers& other) const {
+void LayerBuffers::copy_from(const LayerBuffers& other, std::span<const cv::Rect> boxes) const {
     gl_.Disable(GL_SCISSOR_TEST);
     gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, other.framebuffer_);
     gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_);
@@ -70,18 +70,35 @@ void LayerBuffers::copy_from(const LayerBuffers& other) const {
         gl_.ReadBuffer(kTargets[i]);
         gl_.DrawBuffers(static_cast<GLsizei>(only.size()), only.data());
         const GLbitfield planes = GL_COLOR_BUFFER_BIT | (i == 0 ? GL_DEPTH_BUFFER_BIT : 0u);
-        gl_.BlitFramebuffer(0, 0, width_px_, height_px_, 0, 0, width_px_, height_px_, planes, GL_NEAREST);
+        for (const cv::Rect& b : boxes) {
+            const int right = b.x + b.width, bottom = b.y + b.height;
+            gl_.BlitFramebuffer(b.x, b.y, right, bottom, b.x, b.y, right, bottom, planes, GL_NEAREST);
+        }
     }
     gl_.DrawBuffers(static_cast<GLsizei>(kTargets.size()), kTargets.data());
 }
 
-void LayerBuffers::read(std::uint16_t* half_rgba, float* depth_m, std::uint8_t* label) const {
+void LayerBuffers::read(std::size_t plane, const cv::Rect& box, void* into) const {
+    gl_.ReadBuffer(kTargets[plane]);
+    gl_.ReadPixels(box.x, box.y, box.width, box.height, kPlanes[plane].format, kPlanes[plane].type, into);
+}
+
+void LayerBuffers::read_labels(std::uint8_t* labels) const {
     bind();
     gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
-    const std::array<void*, 3> into = {half_rgba, depth_m, label};
-    for (std::size_t i = 0; i < into.size(); ++i) {
-        gl_.ReadBuffer(kTargets[i]);
-        gl_.ReadPixels(0, 0, width_px_, height_px_, kPlanes[i].format, kPlanes[i].type, into[i]);
+    gl_.PixelStorei(GL_PACK_ROW_LENGTH, width_px_);
+    read(2, {0, 0, width_px_, height_px_}, labels);
+}
+
+void LayerBuffers::read_light(std::span<const cv::Rect> boxes, std::uint16_t* half_rgba,
+                              float* depth_m) const {
+    bind();
+    gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
+    gl_.PixelStorei(GL_PACK_ROW_LENGTH, width_px_);
+    for (const cv::Rect& box : boxes) {
+        const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(box.y) * width_px_ + box.x;
+        read(0, box, half_rgba + 4 * first);
+        read(1, box, depth_m + first);
     }
 }
 

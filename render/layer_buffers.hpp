@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <opencv2/core/types.hpp>
+#include <span>
 
 #include "render/gl.hpp"
 
@@ -16,12 +18,15 @@ class LayerBuffers {
 
     void bind() const;
     void clear() const;
-    void copy_from(const LayerBuffers& other) const;
+    void copy_from(const LayerBuffers& other, std::span<const cv::Rect> boxes) const;
 
-    /// Rows from the top; `half_rgba` 4 halves, `depth_m` a float, `label` a byte a pixel.
-    void read(std::uint16_t* half_rgba, float* depth_m, std::uint8_t* label) const;
+    /// Into whole images, rows from the top: a byte a pixel; within `boxes` 4 halves and a float a pixel.
+    void read_labels(std::uint8_t* labels) const;
+    void read_light(std::span<const cv::Rect> boxes, std::uint16_t* half_rgba, float* depth_m) const;
 
   private:
+    void read(std::size_t plane, const cv::Rect& box, void* into) const;
+
     const GlFunctions& gl_;
     int width_px_, height_px_;
     GLuint framebuffer_ = 0;

@@ -46,28 +46,82 @@ void accumulate(float weight, const float* in, float* out, int count) {
     for (int x = 0; x < count; ++x) out[x] += weight * in[kStep * x];
 }
 
-// One row of samples, blurred along the row, at the pixels' columns: red, green and blue one after another.
-void blur_row(const EyeSamples& s, int y, const std::vector<float>& weights, std::vector<float>& padded,
-              float* out) {
+// One row of samples, blurred along the row, at the columns of `box`'s pixels: red, green and blue one after
+// another.
+void blur_row(const EyeSamples& s, int y, const cv::Rect& box, const std::vector<float>& weights,
+              std::vector<float>& padded, float* out) {
     const int taps = static_cast<int>(weights.size()), n = taps / 2, columns = s.width_px * s.supersampling;
-    const int length = columns + 2 * n;
+    const int first = box.x * s.supersampling - n, length = (box.width - 1) * s.supersampling + 1 + 2 * n;
     const std::uint16_t* row = s.layers.half_rgba.data() +
                                4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(s.layers.width) +
                                     static_cast<std::size_t>(s.first_column));
     padded.resize(3 * static_cast<std::size_t>(length));
     float rgba[4];
     for (int x = 0; x < length; ++x) {
-        to_floats(row + 4 * std::clamp(x - n, 0, columns - 1), rgba);
+        to_floats(row + 4 * std::clamp(first + x, 0, columns - 1), rgba);
         for (int c = 0; c < 3; ++c) padded[static_cast<std::size_t>(c * length + x)] = rgba[c];
     }
-    std::fill(out, out + 3 * s.width_px, 0.0f);
+    std::fill(out, out + 3 * box.width, 0.0f);
     for (int c = 0; c < 3; ++c) {
         for (int k = 0; k < taps; ++k) {
             const auto add = s.supersampling == 1 ? accumulate<1> : accumulate<2>;
-            add(weights[static_cast<std::size_t>(k)], padded.data() + c * length + k, out + c * s.width_px,
-                s.width_px);
+            add(weights[static_cast<std::size_t>(k)], padded.data() + c * length + k, out + c * box.width,
+                box.width);
         }
     }
+}
+
+void blur(const EyeSamples& s, const std::vector<float>& weights, const cv::Rect& box, cv::Mat& image) {
+    const int n = static_cast<int>(weights.size() / 2), rows = s.height_px * s.supersampling;
+    const std::size_t row_size = 3 * static_cast<std::size_t>(box.width);
+    // Rows blurred along themselves, kept in a ring as tall as the kernel.
+    const std::size_t ring = weights.size();
+    std::vector<float> blurred(row_size * ring), padded, sum(row_size);
+    int next = std::max(0, box.y * s.supersampling - n);
+    for (int y = box.y; y < box.y + box.height; ++y) {
+        for (; next <= std::min(y * s.supersampling + n, rows - 1); ++next) {
+            blur_row(s, next, box, weights, padded,
+                     blurred.data() + row_size * (static_cast<std::size_t>(next) % ring));
+        }
+        std::fill(sum.begin(), sum.end(), 0.0f);
+        for (int k = -n; k <= n; ++k) {
+            const auto row = static_cast<std::size_t>(std::clamp(y * s.supersampling + k, 0, rows - 1));
+            const float* in = blurred.data() + row_size * (row % ring);
+            const float w = weights[static_cast<std::size_t>(k + n)];
+            float* total = sum.data();
+            for (std::size_t i = 0; i < row_size; ++i) total[i] += w * in[i];
+        }
+        float* out = image.ptr<float>(y) + 3 * box.x;
+        const float *red = sum.data(), *green = red + box.width, *blue = green + box.width;
+        for (int x = 0; x < box.width; ++x, out += 3) {
+            out[0] = blue[x];
+            out[1] = green[x];
+            out[2] = red[x];
+        }
+    }
+}
+
+void take_centres(const EyeSamples& s, const cv::Rect& box, EyeScene& scene) {
+    const int step = s.supersampling;
+    for (int y = box.y; y < box.y + box.height; ++y) {
+        const std::size_t row =
+            static_cast<std::size_t>(y * step) * static_cast<std::size_t>(s.layers.width) +
+            static_cast<std::size_t>(s.first_column);
+        const float* depth_m = s.layers.depth_m.data() + row;
+        const std::uint8_t* labels = s.layers.labels.data() + row;
+        float* to_depth_m = scene.depth_m.ptr<float>(y);
+        std::uint8_t* to_labels = scene.labels.ptr<std::uint8_t>(y);
+        for (int x = box.x; x < box.x + box.width; ++x) {
+            to_depth_m[x] = depth_m[x * step];
+            to_labels[x] = labels[x * step];
+        }
+    }
+}
+
+// Pixels for which samples first .. last count, of `count`.
+cv::Range pixels(int first, int last, int reach, int step, int count) {
+    return {std::max(0, (std::max(0, first - reach) + step - 1) / step),
+            std::min(count, (last + reach) / step + 1)};
 }
 
 }  // namespace
@@ -79,64 +133,19 @@ float EyeSamples::depth_m(int x, int y) const {
                           static_cast<std::size_t>(x)];
 }
 
-cv::Mat through_lens(const EyeSamples& s, double sigma_px) {
+void update(EyeScene& scene, const EyeSamples& s, double sigma_px, const cv::Rect& box) {
+    const cv::Size size(s.width_px, s.height_px);
+    scene.linear.create(size, CV_32FC3);
+    scene.depth_m.create(size, CV_32F);
+    scene.labels.create(size, CV_8U);
     const std::vector<float> weights = kernel(sigma_px, s.supersampling);
-    const int n = static_cast<int>(weights.size() / 2), rows = s.height_px * s.supersampling;
-    const std::size_t row_size = 3 * static_cast<std::size_t>(s.width_px);
-    // Rows blurred along themselves, kept in a ring as tall as the kernel.
-    const std::size_t ring = weights.size();
-    std::vector<float> blurred(row_size * ring), padded, sum(row_size);
-    int next = 0;
-
-    cv::Mat image(s.height_px, s.width_px, CV_32FC3);
-    for (int y = 0; y < s.height_px; ++y) {
-        for (; next <= std::min(y * s.supersampling + n, rows - 1); ++next) {
-            blur_row(s, next, weights, padded,
-                     blurred.data() + row_size * (static_cast<std::size_t>(next) % ring));
-        }
-        std::fill(sum.begin(), sum.end(), 0.0f);
-        for (int k = -n; k <= n; ++k) {
-            const auto row = static_cast<std::size_t>(std::clamp(y * s.supersampling + k, 0, rows - 1));
-            const float* in = blurred.data() + row_size * (row % ring);
-            const float w = weights[static_cast<std::size_t>(k + n)];
-            float* total = sum.data();
-            for (std::size_t i = 0; i < row_size; ++i) total[i] += w * in[i];
-        }
-        float* out = image.ptr<float>(y);
-        const float *red = sum.data(), *green = red + s.width_px, *blue = green + s.width_px;
-        for (int x = 0; x < s.width_px; ++x, out += 3) {
-            out[0] = blue[x];
-            out[1] = green[x];
-            out[2] = red[x];
-        }
-    }
-    return image;
-}
-
-cv::Mat centre_depth(const EyeSamples& s) {
-    cv::Mat depth(s.height_px, s.width_px, CV_32F);
-    for (int y = 0; y < s.height_px; ++y) {
-        const float* row =
-            s.layers.depth_m.data() +
-            static_cast<std::size_t>(y * s.supersampling) * static_cast<std::size_t>(s.layers.width) +
-            s.first_column;
-        for (int x = 0; x < s.width_px; ++x) {
-            depth.ptr<float>(y)[x] = row[x * s.supersampling];
-        }
-    }
-    return depth;
-}
-
-cv::Mat centre_labels(const EyeSamples& s) {
-    cv::Mat labels(s.height_px, s.width_px, CV_8U);
-    for (int y = 0; y < s.height_px; ++y) {
-        const std::uint8_t* row =
-            s.layers.labels.data() +
-            static_cast<std::size_t>(y * s.supersampling) * static_cast<std::size_t>(s.layers.width) +
-            s.first_column;
-        for (int x = 0; x < s.width_px; ++x) labels.at<std::uint8_t>(y, x) = row[x * s.supersampling];
-    }
-    return labels;
+    const int reach = static_cast<int>(weights.size() / 2), left = box.x - s.first_column;
+    const cv::Range x = pixels(left, left + box.width - 1, reach, s.supersampling, s.width_px);
+    const cv::Range y = pixels(box.y, box.y + box.height - 1, reach, s.supersampling, s.height_px);
+    if (x.empty() || y.empty()) return;
+    const cv::Rect all(x.start, y.start, x.size(), y.size());
+    blur(s, weights, all, scene.linear);
+    take_centres(s, all, scene);
 }
 
 }  // namespace atropos::render

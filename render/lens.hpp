@@ -18,12 +18,15 @@ struct EyeSamples {
     float depth_m(int x, int y) const;
 };
 
-/// Blurs by the lens's point spread and takes the pixels: CV_32FC3, B G R. With `sigma_px` 0 only the samples
-/// of a pixel are averaged.
-cv::Mat through_lens(const EyeSamples& samples, double sigma_px);
+/// The scene without threads as a camera sees it, kept from frame to frame.
+struct EyeScene {
+    cv::Mat linear;   ///< CV_32FC3, B G R: blurred by the lens's point spread
+    cv::Mat depth_m;  ///< CV_32F at the pixels' centres
+    cv::Mat labels;   ///< CV_8U, the same
+};
 
-/// The layers at the pixels' centres.
-cv::Mat centre_depth(const EyeSamples& samples);
-cv::Mat centre_labels(const EyeSamples& samples);
+/// Takes the pixels that samples in `box` (of the layers) count for; all others must be right already. With
+/// `sigma_px` 0 only the samples of a pixel are averaged.
+void update(EyeScene& scene, const EyeSamples& samples, double sigma_px, const cv::Rect& box);
 
 }  // namespace atropos::render

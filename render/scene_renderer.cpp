@@ -45,6 +45,16 @@ bool equal(const scenes::RenderItem& a, const scenes::RenderItem& b) {
            a.label == b.label;
 }
 
+// Whether each pixel that an item in motion covers has a label of its own.
+bool is_told_by_labels(std::span<const scenes::RenderItem> items) {
+    std::array<bool, 256> rests{};  // and the background
+    rests[0] = true;
+    const auto at = [](const scenes::RenderItem& item) { return static_cast<std::size_t>(item.label); };
+    for (const scenes::RenderItem& item : items) rests[at(item)] |= item.at_rest;
+    return std::none_of(items.begin(), items.end(),
+                        [&](const auto& item) { return !item.at_rest && rests[at(item)]; });
+}
+
 }  // namespace
 
 SceneRenderer::SceneRenderer(const EndoscopeOptions& options, const scenes::StereoRig& rig)
@@ -85,28 +95,48 @@ const SceneLayers& SceneRenderer::draw(const FrameInput& input) {
         options_.cache_layer_at_rest && !shadow_map_ &&
         std::any_of(input.items.begin(), input.items.end(), [](auto& i) { return i.at_rest; });
     if (may_cache && is_cached(input)) {
-        frame_->copy_from(*at_rest_);
-        frame_->bind();
-        draw_items(input, false);
+        draw_over_rest(input);
     } else if (may_cache && has_last_camera_ && last_X_WC_.matrix() == input.X_WC.matrix()) {
         if (!at_rest_) at_rest_ = std::make_unique<LayerBuffers>(gl_, layers_.width, layers_.height);
         clear(*at_rest_);
         draw_items(input, true);
         remember(input);
-        frame_->copy_from(*at_rest_);
-        frame_->bind();
-        draw_items(input, false);
+        draw_over_rest(input);
     } else {
         // Nearest first saves shading. Ties of depth go to the items at rest, as they do above.
         clear(*frame_);
         draw_items(input, false);
         draw_items(input, true);
+        read_all();
     }
     has_last_camera_ = true;
     last_X_WC_ = input.X_WC;
-    frame_->read(layers_.half_rgba.data(), layers_.depth_m.data(), layers_.labels.data());
     if (frame_count_ % kFramesToKeepMeshes == 0) forget_old_meshes();
     return layers_;
+}
+
+void SceneRenderer::draw_over_rest(const FrameInput& input) {
+    std::vector<cv::Rect> stale;
+    for (const auto& [key, box] : drawn_over_rest_) stale.push_back(box);
+    frame_->copy_from(*at_rest_, stale);
+    frame_->bind();
+    draw_items(input, false);
+    if (!is_told_by_labels(input.items)) return read_all();
+    frame_->read_labels(layers_.labels.data());
+    LabelBoxes drawn = boxes_of_changes(layers_.labels, labels_at_rest_, layers_.width);
+    layers_.changed = by_eye(drawn_over_rest_, drawn);
+    for (const auto& boxes : layers_.changed)
+        frame_->read_light(boxes, layers_.half_rgba.data(), layers_.depth_m.data());
+    drawn_over_rest_ = std::move(drawn);
+}
+
+void SceneRenderer::read_all() {
+    const int half = layers_.width / 2;
+    drawn_over_rest_ = {{{0, 0}, {0, 0, half, layers_.height}}, {{1, 0}, {half, 0, half, layers_.height}}};
+    layers_.changed = by_eye(drawn_over_rest_, {});
+    frame_->read_labels(layers_.labels.data());
+    for (const auto& boxes : layers_.changed)
+        frame_->read_light(boxes, layers_.half_rgba.data(), layers_.depth_m.data());
 }
 
 void SceneRenderer::clear(const LayerBuffers& buffers) const {
@@ -201,6 +231,8 @@ bool SceneRenderer::is_cached(const FrameInput& input) const {
 }
 
 void SceneRenderer::remember(const FrameInput& input) {
+    labels_at_rest_.resize(layers_.labels.size());
+    at_rest_->read_labels(labels_at_rest_.data());
     has_cached_layer_ = true;
     cached_X_WC_ = input.X_WC;
     cached_light_ = input.light;

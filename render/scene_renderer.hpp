@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "render/changed_boxes.hpp"
 #include "render/endoscope_options.hpp"
 #include "render/gpu_mesh.hpp"
 #include "render/layer_buffers.hpp"
@@ -25,6 +26,7 @@ struct SceneLayers {
     std::vector<std::uint16_t> half_rgba;
     std::vector<float> depth_m;
     std::vector<std::uint8_t> labels;
+    std::array<std::vector<cv::Rect>, 2> changed;  ///< by eye, all that may differ from the frame before
 };
 
 /// Draws the items of a frame (not the threads) for both eyes into one framebuffer.
@@ -48,6 +50,8 @@ class SceneRenderer {
         std::int64_t last_frame;
     };
 
+    void draw_over_rest(const FrameInput& input);
+    void read_all();
     void clear(const LayerBuffers& buffers) const;
     void draw_shadows(const FrameInput& input);
     void draw_items(const FrameInput& input, bool at_rest);
@@ -78,6 +82,8 @@ class SceneRenderer {
     Eigen::Isometry3d cached_X_WC_ = Eigen::Isometry3d::Identity();
     Light cached_light_;
     std::vector<scenes::RenderItem> cached_items_;
+    std::vector<std::uint8_t> labels_at_rest_;
+    LabelBoxes drawn_over_rest_;  // where the frame differs from the layer at rest
 };
 
 }  // namespace atropos::render

@@ -46,6 +46,7 @@ struct StereoEndoscope::Impl {
     scenes::StereoRig rig;
     std::array<Eye, 2> eyes;
     SceneRenderer scene;
+    std::array<EyeScene, 2> scenes;
     VisibilityTest visibility;
 };
 
@@ -56,9 +57,11 @@ EyeFrame StereoEndoscope::Impl::eye_frame(const FrameInput& input, const Eye& ey
                              camera.height_px};
     const double sigma_px = options.psf_sigma_px(camera.width_px);
     EyeFrame frame;
-    frame.linear = through_lens(samples, sigma_px);
-    frame.depth_m = centre_depth(samples);
-    frame.labels = centre_labels(samples);
+    const auto e = static_cast<std::size_t>(eye.index);
+    for (const cv::Rect& box : layers.changed[e]) update(scenes[e], samples, sigma_px, box);
+    frame.linear = scenes[e].linear.clone();
+    frame.depth_m = scenes[e].depth_m.clone();
+    frame.labels = scenes[e].labels.clone();
     frame.coverage = cv::Mat::zeros(camera.height_px, camera.width_px, CV_32F);
     const EyeLight light{input.light, eye.X_EC * light_position_C(input.light, rig),
                          eye.X_EC.linear() * light_axis_C(rig)};

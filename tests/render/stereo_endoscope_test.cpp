@@ -112,6 +112,35 @@ TEST(StereoEndoscope, gives_the_same_bytes_from_both_back_ends_and_with_or_witho
     }
 }
 
+// Only what moved is drawn, read and blurred again: tools that come, move over each other and the picture's
+// rim and leave, one that no label tells from the tissue, and a camera that moves and stops.
+TEST(StereoEndoscope, draws_over_its_layer_at_rest_what_it_would_draw_anew) {
+    const scenes::StereoRig rig = rig_for(true);
+    scenes::RenderItem floor = item_at(square(0.15f, 40), {0.0, 0.0, 0.11}, Label::kTissue);
+    floor.at_rest = true;
+    const auto ball = sphere(0.008, 16);
+    for (const int supersampling : {1, 2}) {
+        EndoscopeOptions options;
+        options.supersampling = supersampling;
+        StereoEndoscope kept(options, rig);
+        options.cache_layer_at_rest = false;
+        StereoEndoscope anew(options, rig);
+        for (int frame = 0; frame < 14; ++frame) {
+            std::vector<scenes::RenderItem> items;
+            items.reserve(4);
+            items.push_back(floor);
+            if (frame % 5 != 4)
+                items.push_back(item_at(ball, {0.008 * frame - 0.06, 0.0, 0.09}, Label::kPSM1));
+            if (frame > 3) items.push_back(item_at(ball, {0.0, 0.02 - 0.003 * frame, 0.1}, Label::kPSM2));
+            if (frame == 6 || frame == 7) items.push_back(item_at(ball, {-0.01, 0.01, 0.1}, Label::kTissue));
+            FrameInput input;
+            input.items = items;
+            if (frame > 8) input.X_WC.translation().x() = 0.001 * std::min(frame, 10);
+            EXPECT_TRUE(same_bytes(kept.render(input), anew.render(input))) << "frame " << frame;
+        }
+    }
+}
+
 TEST(StereoEndoscope, draws_the_same_in_two_threads_at_once) {
     const scenes::StereoRig rig = rig_for(true);
     const std::vector<scenes::RenderItem> items = {
