@@ -136,7 +136,18 @@ struct Planes {
     cv::Mat y, cb, cr;  // CV_32F about 0, borders repeated; chroma at half size
 };
 
-/// ITU-R BT.601 in full range, as JFIF has it: whole numbers.
+/// ITU-R BT.601 in full range, as JFIF has it: whole numbers. Bytes may alias anything: without `__restrict`
+/// no vector instructions.
+void to_jfif(const std::uint8_t* __restrict bgr, int count, float* __restrict y, float* __restrict cb,
+             float* __restrict cr) {
+    for (int i = 0; i < count; ++i) {
+        const float b = bgr[3 * i], g = bgr[3 * i + 1], r = bgr[3 * i + 2];
+        y[i] = std::nearbyint(0.299f * r + 0.587f * g + 0.114f * b) - 128.0f;
+        cb[i] = std::nearbyint(0.5f * b - 0.168736f * r - 0.331264f * g);
+        cr[i] = std::nearbyint(0.5f * r - 0.418688f * g - 0.081312f * b);
+    }
+}
+
 Planes to_planes(const cv::Mat& picture) {
     constexpr int kWide = 2 * kSide * kLanes, kHigh = 2 * kSide;
     const int width = padded(picture.cols, kWide), height = padded(picture.rows, kHigh);
@@ -146,17 +157,11 @@ Planes to_planes(const cv::Mat& picture) {
     std::vector<std::uint8_t> row(3 * blue.size());
     for (int j = 0; j < height; ++j) {
         const auto* in = picture.ptr<std::uint8_t>(std::min(j, picture.rows - 1));
-        float *y = p.y.ptr<float>(j), *cb = p.cb.ptr<float>(j / 2), *cr = p.cr.ptr<float>(j / 2);
+        float *cb = p.cb.ptr<float>(j / 2), *cr = p.cr.ptr<float>(j / 2);
         std::copy_n(in, 3 * picture.cols, row.begin());
         for (std::size_t i = 3 * static_cast<std::size_t>(picture.cols); i < row.size(); ++i)
             row[i] = row[i - 3];
-        for (int i = 0; i < width; ++i) {
-            const std::uint8_t* bgr = row.data() + 3 * i;
-            const float b = bgr[0], g = bgr[1], r = bgr[2];
-            y[i] = std::nearbyint(0.299f * r + 0.587f * g + 0.114f * b) - 128.0f;
-            blue[static_cast<std::size_t>(i)] = std::nearbyint(0.5f * b - 0.168736f * r - 0.331264f * g);
-            red[static_cast<std::size_t>(i)] = std::nearbyint(0.5f * r - 0.418688f * g - 0.081312f * b);
-        }
+        to_jfif(row.data(), width, p.y.ptr<float>(j), blue.data(), red.data());
         for (int i = 0; i < width / 2; ++i) {
             const auto k = static_cast<std::size_t>(2 * i);
             cb[i] += 0.25f * (blue[k] + blue[k + 1]);
@@ -189,6 +194,16 @@ std::uint8_t byte(float value) {
     return static_cast<std::uint8_t>(std::min(std::max(value, 0.0f), 255.0f) + 0.5f);
 }
 
+void to_bgr(const float* __restrict y, const float* __restrict cb, const float* __restrict cr, int count,
+            std::uint8_t* __restrict bgr) {
+    for (int i = 0; i < count; ++i) {
+        const float luma = y[i] + 128.0f;
+        bgr[3 * i] = byte(luma + 1.772f * cb[i]);
+        bgr[3 * i + 1] = byte(luma - 0.344136f * cb[i] - 0.714136f * cr[i]);
+        bgr[3 * i + 2] = byte(luma + 1.402f * cr[i]);
+    }
+}
+
 cv::Mat to_picture(const Planes& p, cv::Size size) {
     cv::Mat picture(size, CV_8UC3);
     const auto width = static_cast<std::size_t>(p.y.cols);
@@ -196,15 +211,7 @@ cv::Mat to_picture(const Planes& p, cv::Size size) {
     for (int j = 0; j < size.height; ++j) {
         enlarge(p.cb, j, between, cb);
         enlarge(p.cr, j, between, cr);
-        const float* y = p.y.ptr<float>(j);
-        auto* out = picture.ptr<std::uint8_t>(j);
-        for (int i = 0; i < size.width; ++i) {
-            const float luma = y[i] + 128.0f, blue = cb[static_cast<std::size_t>(i)],
-                        red = cr[static_cast<std::size_t>(i)];
-            out[3 * i] = byte(luma + 1.772f * blue);
-            out[3 * i + 1] = byte(luma - 0.344136f * blue - 0.714136f * red);
-            out[3 * i + 2] = byte(luma + 1.402f * red);
-        }
+        to_bgr(p.y.ptr<float>(j), cb.data(), cr.data(), size.width, picture.ptr<std::uint8_t>(j));
     }
     return picture;
 }

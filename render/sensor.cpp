@@ -35,8 +35,9 @@ cv::Mat lens_map(const scenes::Camera& camera, const SensorOptions& o) {
 }
 
 // About standard normal: the sum of a hash's four bytes (Irwin and Hall), at most 3.45 sigma.
-inline float noise(std::uint32_t key, std::uint32_t counter) {
-    std::uint32_t h = (counter + key) * 0x9e3779b1u;
+constexpr std::uint32_t kCounterStep = 0x9e3779b1u;
+
+inline float noise(std::uint32_t h) {  // of counter * kCounterStep
     h = (h ^ (h >> 16)) * 0x7feb352du;
     h = (h ^ (h >> 15)) * 0x846ca68bu;
     h ^= h >> 16;
@@ -124,18 +125,21 @@ cv::Mat Sensor::develop_eye(const cv::Mat& linear, const cv::Mat& lens, float ga
     const auto shot = static_cast<float>(options_.shot_noise);
     std::vector<float> row(static_cast<std::size_t>(values));
     std::vector<std::int32_t> step(row.size());
+    std::vector<std::uint32_t> counter(row.size());
+    for (std::size_t i = 0; i < counter.size(); ++i)
+        counter[i] = static_cast<std::uint32_t>(i) * kCounterStep;
     for (int y = 0; y < linear.rows; ++y) {
         const float *in = linear.ptr<float>(y), *arrives = lens.ptr<float>(y);
         for (int x = 0; x < linear.cols; ++x) {
             for (int c = 0; c < 3; ++c) row[static_cast<std::size_t>(3 * x + c)] = in[3 * x + c] * arrives[x];
         }
         if (read2 > 0.0f) {
-            const auto first = static_cast<std::uint32_t>(y * values);
+            const std::uint32_t first = (noise_key + static_cast<std::uint32_t>(y * values)) * kCounterStep;
             for (int i = 0; i < values; ++i) {
                 float& value = row[static_cast<std::size_t>(i)];
                 const float light = std::min(std::max(value, 0.0f), 1.0f);
                 value += std::sqrt(read2 * (1.0f + shot * light)) *
-                         noise(noise_key, first + static_cast<std::uint32_t>(i));
+                         noise(first + counter[static_cast<std::size_t>(i)]);
             }
         }
         std::uint8_t* out = image.ptr<std::uint8_t>(y);
@@ -144,8 +148,9 @@ cv::Mat Sensor::develop_eye(const cv::Mat& linear, const cv::Mat& lens, float ga
             step[static_cast<std::size_t>(i)] =
                 static_cast<std::int32_t>(value * (kResponseSteps - 1) + 0.5f);
         }
-        for (int i = 0; i < values; ++i)
-            out[i] = response_[static_cast<std::size_t>(step[static_cast<std::size_t>(i)])];
+        const std::uint8_t* response = response_.data();
+        const std::int32_t* steps = step.data();
+        for (int i = 0; i < values; ++i) out[i] = response[steps[i]];
     }
     return options_.jpeg_quality == 0 ? image : compressed(image, options_.jpeg_quality);
 }
