@@ -33,7 +33,7 @@ struct View {
 /// The endoscope over a testbed: draws arms, tissue and thread, and turns light into pictures.
 class EndoscopeView {
   public:
-    /// Throws std::runtime_error when there is no renderer, scenes::FileError when a mesh can't be used.
+    /// Throws scenes::FileError when there is no renderer or a mesh can't be used.
     /// `cache_tissue` false draws the tissue anew in each frame, as a moving camera would: the same bytes.
     explicit EndoscopeView(const Testbed& testbed, bool cache_tissue = true);
 

@@ -3,6 +3,7 @@
 
 #include "render/osmesa_context.hpp"
 #include "render/shared_library.hpp"
+#include "scenes/file_error.hpp"
 
 namespace atropos::render {
 namespace {
@@ -21,13 +22,14 @@ class EglContext final : public OffscreenContext {
         int major = 0, minor = 0;
         if (!display_ ||
             !library_.get<unsigned(Handle, int*, int*)>("eglInitialize")(display_, &major, &minor)) {
-            throw std::runtime_error("EGL has no surfaceless display, expected Mesa's libegl-mesa0");
+            throw scenes::FileError("libEGL.so.1",
+                                    "has no surfaceless display, expected Mesa's libegl-mesa0");
         }
         library_.get<unsigned(unsigned)>("eglBindAPI")(kOpenGlApi);
         const std::array<int, 7> attributes = {kMajor, 3, kMinor, 3, kProfileMask, kCoreProfile, kNone};
         context_ = library_.get<Handle(Handle, Handle, Handle, const int*)>("eglCreateContext")(
             display_, nullptr, nullptr, attributes.data());
-        if (!context_) throw std::runtime_error("EGL made no context, expected OpenGL 3.3 core");
+        if (!context_) throw scenes::FileError("libEGL.so.1", "makes no context, expected OpenGL 3.3 core");
         make_current_ = library_.get<unsigned(Handle, Handle, Handle, Handle)>("eglMakeCurrent");
         proc_address_ = library_.get<Proc(const char*)>("eglGetProcAddress");
     }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "render/offscreen_context.hpp"
+#include "scenes/file_error.hpp"
 
 namespace atropos::render {
 
@@ -17,8 +18,8 @@ GlFunctions GlFunctions::load(const OffscreenContext& context) {
     gl.GetIntegerv(GL_MAJOR_VERSION, &major);
     gl.GetIntegerv(GL_MINOR_VERSION, &minor);
     if (10 * major + minor < 33) {
-        throw std::runtime_error(std::string(context.name()) + " gives OpenGL " + std::to_string(major) +
-                                 "." + std::to_string(minor) + ", expected 3.3 or newer");
+        throw scenes::FileError(context.name(), "gives OpenGL " + std::to_string(major) + "." +
+                                                    std::to_string(minor) + ", expected 3.3 or newer");
     }
     return gl;
 }

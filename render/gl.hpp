@@ -39,7 +39,7 @@ struct GlFunctions {
     ATROPOS_GL_FUNCTIONS(ATROPOS_GL_MEMBER)
 #undef ATROPOS_GL_MEMBER
 
-    /// `context` is current. Throws std::runtime_error when it is older than OpenGL 3.3.
+    /// `context` is current. Throws scenes::FileError when it is older than OpenGL 3.3.
     static GlFunctions load(const OffscreenContext& context);
 };
 

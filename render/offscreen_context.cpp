@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "render/osmesa_context.hpp"
+#include "scenes/file_error.hpp"
 
 namespace atropos::render {
 namespace {
@@ -15,7 +16,7 @@ Backend chosen_backend() {
     const std::string_view value = variable;
     if (value == "osmesa") return Backend::kOSMesa;
     if (value == "egl") return Backend::kEgl;
-    throw std::runtime_error("ATROPOS_RENDERER is '" + std::string(value) + "', expected osmesa or egl");
+    throw std::invalid_argument("ATROPOS_RENDERER is '" + std::string(value) + "', expected osmesa or egl");
 }
 
 /// llvmpipe's own threads cost a third more CPU time than they save: a program that draws while it tracks and
@@ -35,13 +36,13 @@ std::unique_ptr<OffscreenContext> OffscreenContext::create(Backend backend) {
     std::string first_reason;
     try {
         return make_osmesa_context();
-    } catch (const std::runtime_error& error) {
+    } catch (const scenes::FileError& error) {
         first_reason = error.what();
     }
     try {
         return make_egl_context();
-    } catch (const std::runtime_error& error) {
-        throw std::runtime_error(first_reason + "; " + error.what());
+    } catch (const scenes::FileError& error) {
+        throw scenes::FileError(first_reason, error.what());
     }
 }
 

@@ -16,7 +16,7 @@ enum class Backend {
 /// nothing start without them.
 class OffscreenContext {
   public:
-    /// Throws std::runtime_error that says which library or version is missing.
+    /// Throws scenes::FileError that says which library or version is missing.
     static std::unique_ptr<OffscreenContext> create(Backend backend);
 
     virtual ~OffscreenContext() = default;

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "render/shared_library.hpp"
+#include "scenes/file_error.hpp"
 
 namespace atropos::render {
 namespace {
@@ -22,7 +23,8 @@ class OSMesaContext final : public OffscreenContext {
                                                kMinor,  3,     0};
         context_ = library_.get<Context(const int*, Context)>("OSMesaCreateContextAttribs")(attributes.data(),
                                                                                             nullptr);
-        if (!context_) throw std::runtime_error("OSMesa made no context, expected OpenGL 3.3 core");
+        if (!context_)
+            throw scenes::FileError("libOSMesa.so.8", "makes no context, expected OpenGL 3.3 core");
         make_current_ = library_.get<unsigned char(Context, void*, unsigned, int, int)>("OSMesaMakeCurrent");
         proc_address_ = library_.get<Proc(const char*)>("OSMesaGetProcAddress");
     }

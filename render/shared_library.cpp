@@ -2,15 +2,15 @@
 
 #include <dlfcn.h>
 
-#include <stdexcept>
+#include "scenes/file_error.hpp"
 
 namespace atropos::render {
 
 SharedLibrary::SharedLibrary(const char* file, const char* package)
     : file_(file), handle_(dlopen(file, RTLD_NOW | RTLD_LOCAL)) {
     if (!handle_) {
-        throw std::runtime_error("cannot load " + file_ + " for off-screen rendering, expected package " +
-                                 package + " to be installed");
+        throw scenes::FileError(file_, "cannot be loaded for off-screen rendering, expected package " +
+                                           std::string(package) + " to be installed");
     }
 }
 
@@ -19,7 +19,9 @@ SharedLibrary::~SharedLibrary() = default;
 
 void* SharedLibrary::address(const char* symbol) const {
     void* found = dlsym(handle_, symbol);
-    if (!found) throw std::runtime_error(file_ + " has no function " + symbol + ", expected Mesa's library");
+    if (!found)
+        throw scenes::FileError(file_,
+                                "has no function " + std::string(symbol) + ", expected Mesa's library");
     return found;
 }
 

@@ -7,7 +7,7 @@ namespace atropos::render {
 /// A library opened at run time, with its names kept apart from the program's.
 class SharedLibrary {
   public:
-    /// Throws std::runtime_error naming the library and the Debian package that holds it.
+    /// Throws scenes::FileError naming the library and the Debian package that holds it.
     SharedLibrary(const char* file, const char* package);
     ~SharedLibrary();
     SharedLibrary(const SharedLibrary&) = delete;

@@ -19,7 +19,7 @@ namespace atropos::render {
 class StereoEndoscope {
   public:
     /// Both cameras must have one size. Throws std::invalid_argument for options or rigs out of range,
-    /// std::runtime_error when there is no renderer.
+    /// scenes::FileError when there is no renderer.
     StereoEndoscope(const EndoscopeOptions& options, const scenes::StereoRig& rig);
     ~StereoEndoscope();
     StereoEndoscope(StereoEndoscope&&) noexcept;

@@ -179,10 +179,11 @@ std::vector<Hostile> hostile_pictures() {
 class HostileFilesTest : public TemporaryFolder {
   protected:
     /// Runs the program in 4 GB of address space and expects one line and status 2.
-    void expect_refusal(const std::string& words) const {
+    void expect_refusal(const std::string& words, const std::string& environment = "") const {
         const fs::path out = folder_ / "out.txt", complaint = folder_ / "complaint.txt";
-        const std::string command = "ulimit -v 4000000; timeout 20 '" ATROPOS_PROGRAM "' " + words + " >'" +
-                                    out.string() + "' 2>'" + complaint.string() + "'";
+        const std::string command = "ulimit -v 4000000; " + environment +
+                                    " timeout 20 '" ATROPOS_PROGRAM "' " + words + " >'" + out.string() +
+                                    "' 2>'" + complaint.string() + "'";
         const int status = std::system(command.c_str());
         ASSERT_TRUE(WIFEXITED(status)) << words;
         EXPECT_EQ(WEXITSTATUS(status), 2) << words << ": " << read(complaint) << read(out);
@@ -218,6 +219,19 @@ TEST_F(HostileFilesTest, what_is_no_file_is_refused_in_one_line) {
     write("good.stl", "solid x\n");
     expect_refusal("info '" + (folder_ / "good.stl").string() + "'");
     EXPECT_THAT(read(folder_ / "complaint.txt"), HasSubstr("expected --scale-to-m"));
+}
+
+TEST_F(HostileFilesTest, a_renderer_that_cannot_be_loaded_is_told_in_one_line) {
+    const std::string render =
+        "render '" ATROPOS_SCENES "/auto_scissors.yaml' -o '" + (folder_ / "still.png").string() + "'";
+    for (const char* library : {"libOSMesa.so.8", "libEGL.so.1"}) write(library, "not a library");
+    const std::string found_first = "LD_LIBRARY_PATH='" + folder_.string() + "'";
+    expect_refusal(render, found_first);
+    EXPECT_THAT(read(folder_ / "complaint.txt"), HasSubstr("libosmesa6"));
+    expect_refusal(render + " --set render.back_end=egl", found_first);
+    EXPECT_THAT(read(folder_ / "complaint.txt"), HasSubstr("libegl1"));
+    expect_refusal(render + " --set render.back_end=egl", "__EGL_VENDOR_LIBRARY_DIRS=/nonexistent");
+    EXPECT_THAT(read(folder_ / "complaint.txt"), HasSubstr("no surfaceless display"));
 }
 
 TEST_F(HostileFilesTest, meshes_of_an_arm_are_refused_before_anything_is_drawn) {
