@@ -3,10 +3,14 @@
 
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <cstdlib>
 
 #include "experiments/endoscope_view.hpp"
 #include "scenes/scene_file.hpp"
+#ifdef ATROPOS_HAS_MUJOCO
+#include "tests/bench/mujoco_peer.hpp"
+#endif
 
 namespace atropos::experiments {
 namespace {
@@ -52,6 +56,30 @@ void first_pair(benchmark::State& state) {
     }
 }
 
+#ifdef ATROPOS_HAS_MUJOCO
+/// The same meshes from another renderer: nearly all of its depths must be ours.
+void mujoco(benchmark::State& state, std::vector<std::string> overrides) {
+    const scenes::SceneConfig config = scene(std::move(overrides));
+    Testbed testbed(config);
+    const auto instruments = load_instruments(config);
+    const Moment moment = testbed.moment(testbed.time_s());
+    std::vector<scenes::RenderItem> items = {testbed.tissue()->item(testbed.X_WTissue())};
+    for (size_t arm = 0; arm < kArms; ++arm)
+        for (int link = 0; link < robot::kLinkCount; ++link)
+            instruments[arm].append(link, moment.X_WL[arm][static_cast<size_t>(link)], scenes::Label::kPSM1,
+                                    items);
+    MujocoPeer peer(items, testbed.rig(), testbed.X_WC());
+    for (auto _ : state) peer.draw();
+    const View ours = EndoscopeView(testbed).capture(testbed, 0);
+    int agree = 0;
+    const cv::Mat& depth_m = ours.truth.left.depth_m;
+    for (int y = 0; y < depth_m.rows; ++y)
+        for (int x = 0; x < depth_m.cols; ++x)
+            agree += std::abs(peer.depth_m(0, x, y) - depth_m.at<float>(y, x)) < 1e-4f;
+    state.counters["depth_within_0.1_mm"] = agree / static_cast<double>(depth_m.total());
+}
+#endif
+
 #define MEASURED(function, name, ...) \
     BENCHMARK_CAPTURE(function, name, __VA_ARGS__)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()
 #define PAIR(name, ...) MEASURED(pair, name, __VA_ARGS__)
@@ -64,6 +92,10 @@ PAIR(quality_1080p, Overrides{"camera.preset=hd", "render.preset=quality"});
 MEASURED(moving_camera, fast, Overrides{});
 MEASURED(moving_camera, quality, Overrides{"render.preset=quality"});
 MEASURED(moving_camera, fast_1080p, Overrides{"camera.preset=hd"});
+#ifdef ATROPOS_HAS_MUJOCO
+MEASURED(mujoco, paper, Overrides{});
+MEASURED(mujoco, hd, Overrides{"camera.preset=hd"});
+#endif
 MEASURED(sensor, paper, "paper");
 MEASURED(sensor, hd, "hd");
 BENCHMARK(first_pair)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->Iterations(3);
