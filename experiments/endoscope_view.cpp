@@ -14,10 +14,12 @@ constexpr int kSpanSamples = 101;
 constexpr int kTailSamples = 5;
 constexpr double kRibbonStep_m = 1.5e-4;  ///< of the drawn curve: 0.005 px of sag at bends of 5 mm
 
-render::EndoscopeOptions endoscope_options(const scenes::RenderConfig& config, bool cache_tissue) {
+render::EndoscopeOptions endoscope_options(const scenes::RenderConfig& config, bool cache_tissue,
+                                           int threads) {
     render::EndoscopeOptions options =
         render::endoscope_preset(config.preset == scenes::RenderPreset::kFast ? "fast" : "quality");
     options.shadows = config.shadows;
+    options.threads = threads;
     options.psf_sigma_at_640_px = config.blur_px;
     options.cache_layer_at_rest = cache_tissue;
     options.backend = config.back_end == "egl" ? render::Backend::kEgl : render::Backend::kOSMesa;
@@ -99,7 +101,10 @@ std::array<render::InstrumentModel, kArms> load_instruments(const scenes::SceneC
 }
 
 EndoscopeView::EndoscopeView(const Testbed& testbed, bool cache_tissue)
-    : endoscope_(endoscope_options(testbed.scene().render, cache_tissue), testbed.rig()),
+    : pool_(testbed.scene().tracking.tracker.threads),
+      endoscope_(
+          endoscope_options(testbed.scene().render, cache_tissue, testbed.scene().tracking.tracker.threads),
+          testbed.rig()),
       sensor_(sensor_options(testbed.scene().sensor), testbed.rig(), testbed.scene().seed),
       look_(render::thread_look(testbed.scene().thread.colour,
                                 testbed.scene().thread.braided ? "braided" : "monofilament")),
@@ -205,7 +210,7 @@ View EndoscopeView::capture_curve(const Testbed& testbed, const scenes::Polyline
 }
 
 /// Where the samples are seen, and the pictures.
-void EndoscopeView::finish(View& view, int frame) const {
+void EndoscopeView::finish(View& view, int frame) {
     for (size_t i = 0; i < view.samples.size(); ++i) {
         const render::SampleView* eyes[] = {&view.truth.left.samples[i], &view.truth.right.samples[i]};
         for (size_t eye = 0; eye < 2; ++eye) {
@@ -213,7 +218,7 @@ void EndoscopeView::finish(View& view, int frame) const {
             view.samples[i].visible[eye] = eyes[eye]->visibility == render::Visibility::kVisible;
         }
     }
-    const render::StereoImages images = sensor_.develop(view.truth, frame);
+    const render::StereoImages images = sensor_.develop(view.truth, frame, &pool_);
     view.left = images.left;
     view.right = images.right;
 }

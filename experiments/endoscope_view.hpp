@@ -9,6 +9,7 @@
 #include "render/instrument.hpp"
 #include "render/sensor.hpp"
 #include "render/stereo_endoscope.hpp"
+#include "scenes/worker_pool.hpp"
 
 namespace atropos::experiments {
 
@@ -52,8 +53,9 @@ class EndoscopeView {
     /// Light averaged over the moments at `times_s`; samples are looked up in the middle one.
     render::StereoFrame expose(const Testbed& testbed, const std::vector<double>& times_s,
                                const std::vector<render::SamplePoint>& samples);
-    void finish(View& view, int frame) const;
+    void finish(View& view, int frame);
 
+    scenes::WorkerPool pool_;
     render::StereoEndoscope endoscope_;
     render::Sensor sensor_;
     render::ThreadLook look_;

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <thread>
 
 #include "experiments/commands.hpp"
 #include "experiments/exit_status.hpp"
@@ -57,6 +59,7 @@ void add_run_command(CLI::App& program, Command& chosen) {
     app->add_flag("--record", options->record,
                   "keeps what tracker and scissors were given and commanded, for `replay --inputs`");
     add_external_tracker_options(*app, options->external);
+    options->common.threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 2);
     add_common_options(*app, options->common);
     app->footer("Example: atropos run scenes/auto_scissors.yaml -o results/run --seed 7");
     app->callback([&chosen, options] { chosen = [options] { return run(*options); }; });

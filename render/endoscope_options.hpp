@@ -10,6 +10,7 @@ struct EndoscopeOptions {
     double psf_sigma_at_640_px = 0.55;  ///< the lens: Gaussian point spread on a 640 wide image; own choice
     bool shadows = false;               ///< of everything on everything; the layer at rest is then not cached
     bool cache_layer_at_rest = true;    ///< draw items at rest once while they and the camera keep still
+    int threads = 1;                    ///< any number gives the same bytes
     double near_m = 0.005;
     double far_m = 1.0;
 

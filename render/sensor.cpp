@@ -86,14 +86,27 @@ Sensor::Sensor(const SensorOptions& options, const scenes::StereoRig& rig, std::
     lens_right_ = lens_map(rig.right, options);
 }
 
-StereoImages Sensor::develop(const StereoFrame& frame, std::int64_t frame_index) const {
+StereoImages Sensor::develop(const StereoFrame& frame, std::int64_t frame_index,
+                             scenes::WorkerPool* pool) const {
     if (frame.left.linear.size() != lens_left_.size() || frame.right.linear.size() != lens_right_.size()) {
         throw std::invalid_argument("images differ from the sensor's rig in size, expected the rig's");
     }
     const std::uint64_t frame_seed = scenes::derive_seed(seed_, static_cast<std::uint64_t>(frame_index));
     const float g = gain(frame);
-    return {develop_eye(frame.left.linear, lens_left_, g, static_cast<std::uint32_t>(frame_seed)),
-            develop_eye(frame.right.linear, lens_right_, g, static_cast<std::uint32_t>(frame_seed >> 32))};
+    StereoImages images;
+    auto develop_one = [&](int eye) {
+        if (eye == 0)
+            images.left =
+                develop_eye(frame.left.linear, lens_left_, g, static_cast<std::uint32_t>(frame_seed));
+        else
+            images.right =
+                develop_eye(frame.right.linear, lens_right_, g, static_cast<std::uint32_t>(frame_seed >> 32));
+    };
+    if (pool)
+        pool->run(2, develop_one);
+    else
+        for (const int eye : {0, 1}) develop_one(eye);
+    return images;
 }
 
 float Sensor::gain(const StereoFrame& frame) const {

@@ -7,6 +7,7 @@
 
 #include "render/stereo_frame.hpp"
 #include "scenes/stereo_rig.hpp"
+#include "scenes/worker_pool.hpp"
 
 namespace atropos::render {
 
@@ -43,7 +44,9 @@ class Sensor {
     /// Throws std::invalid_argument for options out of range.
     Sensor(const SensorOptions& options, const scenes::StereoRig& rig, std::uint64_t seed);
 
-    StereoImages develop(const StereoFrame& frame, std::int64_t frame_index) const;
+    /// `pool`: threads that share the work; null: the caller's alone.
+    StereoImages develop(const StereoFrame& frame, std::int64_t frame_index,
+                         scenes::WorkerPool* pool = nullptr) const;
 
     /// When to render an eye (0 left, 1 right) for a frame that is read out at `time_s`: never later. Average
     /// the frames with `mean_exposure`.

@@ -5,6 +5,7 @@
 #include "render/ribbon_painter.hpp"
 #include "render/scene_renderer.hpp"
 #include "render/visibility.hpp"
+#include "scenes/worker_pool.hpp"
 
 namespace atropos::render {
 namespace {
@@ -38,7 +39,8 @@ struct StereoEndoscope::Impl {
         : options(o),
           rig(r),
           eyes{{{r.left, Eigen::Isometry3d::Identity(), 0}, {r.right, r.X_RC, 1}}},
-          scene(o, r) {}
+          scene(o, r),
+          pool(o.threads) {}
 
     EyeFrame eye_frame(const FrameInput& input, const Eye& eye, const SceneLayers& layers);
 
@@ -48,6 +50,7 @@ struct StereoEndoscope::Impl {
     SceneRenderer scene;
     std::array<EyeScene, 2> scenes;
     VisibilityTest visibility;
+    scenes::WorkerPool pool;
 };
 
 EyeFrame StereoEndoscope::Impl::eye_frame(const FrameInput& input, const Eye& eye,
@@ -68,7 +71,6 @@ EyeFrame StereoEndoscope::Impl::eye_frame(const FrameInput& input, const Eye& ey
     paint_ribbons(input.ribbons, eye, eye.X_EC * input.X_WC.inverse(), light, samples, sigma_px, frame.linear,
                   frame.coverage);
     frame.labels.setTo(static_cast<int>(scenes::Label::kThread), frame.coverage >= 0.5);
-    frame.samples = visibility.views(input, eye);
     return frame;
 }
 
@@ -86,8 +88,22 @@ void StereoEndoscope::add_texture(const std::string& name, const Texture& textur
 
 StereoFrame StereoEndoscope::render(const FrameInput& input) {
     const SceneLayers& layers = impl_->scene.draw(input);
-    StereoFrame frame{impl_->eye_frame(input, impl_->eyes[0], layers),
-                      impl_->eye_frame(input, impl_->eyes[1], layers)};
+    const std::array<Eye, 2>& eyes = impl_->eyes;
+    std::array<EyeFrame, 2> frames;
+    std::array<std::vector<SampleView>, 2> samples;
+    // The samples' lookup shares its casters between the eyes: one task.
+    impl_->pool.run(3, [&](int task) {
+        if (task < 2) {
+            const auto eye = static_cast<std::size_t>(task);
+            frames[eye] = impl_->eye_frame(input, eyes[eye], layers);
+        } else {
+            for (std::size_t eye = 0; eye < 2; ++eye)
+                samples[eye] = impl_->visibility.views(input, eyes[eye]);
+        }
+    });
+    StereoFrame frame{std::move(frames[0]), std::move(frames[1])};
+    frame.left.samples = std::move(samples[0]);
+    frame.right.samples = std::move(samples[1]);
     impl_->visibility.forget_meshes_unused_for(kFramesToKeepCasters);
     return frame;
 }

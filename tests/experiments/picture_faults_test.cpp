@@ -1,0 +1,91 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <opencv2/imgproc.hpp>
+
+#include "experiments/endoscope_view.hpp"
+#include "experiments/scissors_pilot.hpp"
+#include "experiments/testbed.hpp"
+#include "scenes/scene_file.hpp"
+
+namespace atropos::experiments {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kFaultAt_s = 2.0;  // the scissors are on their way
+
+/// The default scene with the command at 0.5 s, driven by the pilot alone. `fault` may change the pictures,
+/// or take them away by returning false.
+struct Episode {
+    using Fault = std::function<bool(double time_s, cv::Mat& left, cv::Mat& right)>;
+
+    explicit Episode(std::uint64_t seed)
+        : scene(scenes::load_scene(ATROPOS_SCENES "/auto_scissors.yaml",
+                                   {"seed=" + std::to_string(seed), "cut.at_s=0.5"})),
+          testbed(scene),
+          endoscope(testbed),
+          pilot(scene, testbed.told_rig(), readings(), endoscope.instruments(),
+                testbed.arm(kScissorsArm).controller()) {}
+
+    ArmReadings readings() const {
+        return {read(testbed.arm(0)), read(testbed.arm(1)), read(testbed.arm(2))};
+    }
+    bool is_whole() const { return testbed.thread().span.intact; }
+
+    void run(double duration_s, const Fault& fault) {
+        int frame = 0;
+        for (long tick = 0; tick < std::lround(1e3 * duration_s) && !pilot.status().finished; ++tick) {
+            if (tick == std::lround(1e3 * frame / scene.camera.fps_hz)) {
+                View view = endoscope.capture(testbed, frame);
+                if (fault(testbed.time_s(), view.left, view.right))
+                    pilot.see(frame, testbed.time_s(), view.left, view.right, readings());
+                ++frame;
+            }
+            pilot.step(testbed.time_s(), readings());
+            testbed.tick();
+        }
+    }
+
+    scenes::SceneConfig scene;
+    Testbed testbed;
+    EndoscopeView endoscope;
+    ScissorsPilot pilot;
+};
+
+TEST(PictureFaults, a_black_eye_ends_the_cut_and_the_reason_says_that_the_tracker_is_lost) {
+    Episode episode(3);
+    episode.run(6.0, [](double time_s, cv::Mat& left, cv::Mat&) {
+        if (time_s > kFaultAt_s) left.setTo(0);
+        return true;
+    });
+    EXPECT_TRUE(episode.is_whole());
+    EXPECT_TRUE(episode.pilot.status().aborted);
+    EXPECT_THAT(episode.pilot.status().reason, HasSubstr("tracker lost"));
+}
+
+TEST(PictureFaults, pictures_of_another_thread_are_not_taken_for_this_one) {
+    Episode episode(4);
+    episode.run(6.0, [](double time_s, cv::Mat& left, cv::Mat& right) {
+        if (time_s > kFaultAt_s) {
+            cv::flip(left, left, 0);
+            cv::flip(right, right, 0);
+        }
+        return true;
+    });
+    EXPECT_TRUE(episode.is_whole());
+    EXPECT_TRUE(episode.pilot.status().aborted) << episode.pilot.status().reason;
+}
+
+TEST(PictureFaults, half_a_second_without_pictures_delays_the_cut_and_no_more) {
+    Episode episode(5);
+    episode.run(8.0, [](double time_s, cv::Mat&, cv::Mat&) {
+        return time_s < kFaultAt_s || time_s > kFaultAt_s + 0.5;
+    });
+    EXPECT_FALSE(episode.is_whole());
+    EXPECT_TRUE(episode.pilot.status().succeeded) << episode.pilot.status().reason;
+}
+
+}  // namespace
+}  // namespace atropos::experiments
