@@ -41,6 +41,7 @@ void add_experiment_command(CLI::App& program, Command& chosen);
 void add_merge_command(CLI::App& program, Command& chosen);
 void add_check_command(CLI::App& program, Command& chosen);
 void add_replay_command(CLI::App& program, Command& chosen);
+void add_report_command(CLI::App& program, Command& chosen);
 void add_figure_command(CLI::App& program, Command& chosen);
 void add_import_command(CLI::App& program, Command& chosen);
 

@@ -52,6 +52,7 @@ int parse_and_run(int argc, char** argv) {
     add_merge_command(program, chosen);
     add_check_command(program, chosen);
     add_replay_command(program, chosen);
+    add_report_command(program, chosen);
     add_figure_command(program, chosen);
     add_import_command(program, chosen);
     add_info_command(program, chosen);
