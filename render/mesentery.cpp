@@ -40,8 +40,8 @@ class Mesentery final : public SurfacePainter {
     }
 
     float height_m(float x, float y) const override {
-        const float bulge = fat_share(x, y);
-        return relief_m_ * (1.7f * hills_.fractal(28.0f * x, 28.0f * y, 3) + 0.30f * bulge * lobule(x, y));
+        const float bulge = fat_share(x, y), lobe = bulge > 0.0f ? lobule(x, y) : 0.0f;
+        return relief_m_ * (1.7f * hills_.fractal(28.0f * x, 28.0f * y, 3) + 0.30f * bulge * lobe);
     }
 
     SurfacePoint at(float x, float y) const override { return row(std::span(&x, 1), y)[0]; }
@@ -73,7 +73,7 @@ class Mesentery final : public SurfacePainter {
     };
 
     SurfacePoint point(float x, float y, const Noise& n) const {
-        const float fat = fat_share(x, y, n.fat), lobe = lobule(x, y);
+        const float fat = fat_share(x, y, n.fat), lobe = fat > 0.0f ? lobule(x, y) : 0.0f;
         const Eigen::Vector3f pale(0.60f, 0.26f, 0.215f), red(0.37f, 0.085f, 0.068f),
             yellow(0.74f, 0.50f, 0.17f);
         Eigen::Vector3f colour = pale + smoothstep(-0.35f, 0.45f, n.blotch) * (red - pale);
@@ -98,7 +98,9 @@ class Mesentery final : public SurfacePainter {
     }
 
     float fat_share(float x, float y, float noise) const {
-        return smoothstep(0.10f, 0.26f, noise + 0.10f * fat_.smooth(260.0f * x, 260.0f * y));
+        constexpr float kLow = 0.10f, kHigh = 0.26f, kEdge = 0.10f;
+        if (noise < kLow - 1.5f * kEdge) return 0.0f;  // most of the surface: the edge's noise is within 1.5
+        return smoothstep(kLow, kHigh, noise + kEdge * fat_.smooth(260.0f * x, 260.0f * y));
     }
     float fat_share(float x, float y) const {
         return fat_share(x, y, fat_.fractal(24.0f * x + 5.0f, 24.0f * y, 4));
