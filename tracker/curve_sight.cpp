@@ -12,6 +12,8 @@ constexpr double kLeastSigma_px =
     0.025;                           ///< texture under the thread, lens model: what noise does not explain
 constexpr double kUsualNoise = 1.5;  ///< of a profile's noise over the middle one
 
+constexpr double kSignificance = 3.5;  ///< sigmas of contrast that make a bar
+
 }  // namespace
 
 CurveSight::CurveSight(const scenes::TrackerConfig& config, const scenes::StereoRig& rig)
@@ -111,23 +113,26 @@ void CurveSight::look_with(std::size_t eye, const ImageView& image, std::span<co
     }
 }
 
-// Replaces the valleys' positions by the least-squares ones, with sigmas from the image's own noise.
+// Replaces the valleys' positions by the least-squares ones, with sigmas from the image's own noise. Where no
+// valley stood out, the bar itself is looked for on the curve: a slope of the ground hides faint valleys, but
+// the bar's model holds a slope.
 void CurveSight::localise(const ImageView& image, std::vector<LineMeasurement>& measured) {
     noises_.clear();
     for (std::size_t j = 0; j < measured.size(); ++j) {
         LineMeasurement& m = measured[j];
-        if (m.kind != LineMeasurement::Kind::kSeen) continue;
+        if (m.kind == LineMeasurement::Kind::kHidden) continue;
         NormalLine line = lines_[j];
-        line.p_px = m.point_px;
+        if (m.kind == LineMeasurement::Kind::kSeen) line.p_px = m.point_px;
+        m.kind = LineMeasurement::Kind::kMissing;
         ValleyFilter::Localisation found;
         if (!filter_.localise(image, line, widths_px_[j], found) ||
             std::abs(found.offset_px) > 0.5 * widths_px_[j] + 1.0 ||
             found.contrast_levels <
-                std::max(config_.refined.contrast_levels, 4.0 * found.contrast_sigma_levels)) {
-            m.kind = LineMeasurement::Kind::kMissing;
+                std::max(config_.refined.contrast_levels, kSignificance * found.contrast_sigma_levels))
             continue;
-        }
-        m.point_px += found.offset_px * m.normal;
+        m.kind = LineMeasurement::Kind::kSeen;
+        m.normal = line.normal;
+        m.point_px = line.p_px + found.offset_px * line.normal;
         m.sigma_px = found.sigma_px_per_noise_level;
         left_over_levels_[j] = found.noise_levels;
         noises_.push_back(found.noise_levels);

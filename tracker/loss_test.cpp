@@ -53,7 +53,7 @@ FitQuality judge_fit(const std::array<std::vector<LineMeasurement>, 2>& lines,
 
 bool is_lost(const FitQuality& quality, const LossTestOptions& options) {
     return quality.worst_window < options.worst_window || quality.rms_stretch > options.rms_stretch ||
-           !std::isfinite(quality.rms_residual_px);
+           quality.end_off_m > options.end_off_m || !std::isfinite(quality.rms_residual_px);
 }
 
 }  // namespace atropos::tracker

@@ -19,6 +19,7 @@ struct FitQuality {
     double visible = 0.0;          ///< share of the samples that no instrument hides
     double rms_stretch = 0.0;      ///< of |C'(u)| / length - 1
     double rms_residual_px = 0.0;  ///< of the supported samples
+    double end_off_m = 0.0;        ///< of the held end that lies farthest from where it was measured
 
     /// Larger is better; to choose between two fits of one frame.
     double score() const { return support + worst_window - 4.0 * rms_stretch; }
@@ -28,6 +29,7 @@ struct LossTestOptions {
     double residual_px = 1.5;    ///< a measurement further off does not support the curve
     double worst_window = 0.35;  ///< least support of an eighth of the curve
     double rms_stretch = 0.05;   ///< largest
+    double end_off_m = 0.006;    ///< largest: no arm is that far off
 };
 
 FitQuality judge_fit(const std::array<std::vector<LineMeasurement>, 2>& lines,

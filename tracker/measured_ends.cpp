@@ -114,6 +114,14 @@ void MeasuredEnds::learn(const StereoFrame& frame, const CurveProblem& problem,
     }
 }
 
+double MeasuredEnds::farthest_m(const StereoFrame& frame, const Eigen::Matrix3Xd& Q) {
+    double farthest = 0.0;
+    for (std::size_t end = 0; end < 2; ++end)
+        if (is_held(frame.tips[end]))
+            farthest = std::max(farthest, (frame.tips[end]->p_C - Q.col(end == 0 ? 0 : Q.cols() - 1)).norm());
+    return farthest;
+}
+
 void MeasuredEnds::remember(const StereoFrame& frame) {
     for (std::size_t end = 0; end < 2; ++end) {
         last_tips_C_[end].reset();

@@ -48,6 +48,9 @@ class MeasuredEnds {
     void learn(const StereoFrame& frame, const CurveProblem& problem, const CurveRefinement& refinement,
                const Eigen::Matrix3Xd& Q, const Eigen::MatrixXd& covariance);
 
+    /// How far the held end that is farthest from where it was measured is from there; 0 without held ends.
+    static double farthest_m(const StereoFrame& frame, const Eigen::Matrix3Xd& Q);
+
     void remember(const StereoFrame& frame);
 
     static constexpr int kStateSize = 2 * (4 + EndBelief::kStateSize);

@@ -10,6 +10,7 @@ namespace atropos::tracker {
 namespace {
 
 constexpr double kVelocityDamping = 0.5;
+constexpr double kLeastEndOff_m = 0.004;  ///< no end is lost that is nearer to where it was measured
 
 double elapsed_ms(std::chrono::steady_clock::time_point since) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
@@ -33,6 +34,8 @@ RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes
     const std::size_t samples = static_cast<std::size_t>(config.refined.samples);
     const int K = config.refined.control_points;
     loss_test_.residual_px *= scale_;
+    loss_test_.end_off_m = std::max(
+        kLeastEndOff_m, 5.0 * std::hypot(config.refined.tip_bias_sigma_m, config.refined.tip_sigma_m));
     fit_.Q.setZero(3, K);
     trial_.Q.setZero(3, K);
     problem_.expected.setZero(3, K);
@@ -98,6 +101,7 @@ void RefinedTracker::refine(const StereoFrame& frame, double first_search_px, Fi
         refinement_.refine(problem_, round.iterations, fit.Q, fit.length_m);
     }
     fit.quality = judge_fit(problem_.lines, refinement_.samples(), fit.Q, fit.length_m, rig_, loss_test_);
+    fit.quality.end_off_m = ends_.farthest_m(frame, fit.Q);
 }
 
 const TrackResult& RefinedTracker::track(const StereoFrame& frame) {
