@@ -14,6 +14,14 @@ constexpr double kUsualNoise = 1.5;  ///< of a profile's noise over the middle o
 
 constexpr double kSignificance = 3.5;  ///< sigmas of contrast that make a bar
 
+/// 0 of none; changes the order.
+double median(std::vector<double>& values) {
+    if (values.empty()) return 0.0;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
 }  // namespace
 
 CurveSight::CurveSight(const scenes::TrackerConfig& config, const scenes::StereoRig& rig)
@@ -86,6 +94,27 @@ bool CurveSight::look_across(std::size_t eye, const ImageView& image, std::size_
     return true;
 }
 
+// One valley, or none, for each sample. Parts of the thread that were never seen are taken for as dark as the
+// rest of it: a first choice tells how dark that is.
+std::span<const int> CurveSight::choose(const Look& look) {
+    ValleyAssociationOptions options;
+    options.search_px = look.search_px * scale_;
+    options.jump_px = scale_ * 80.0 / static_cast<double>(candidates_.size());
+    const double threshold = look.threshold_share * config_.refined.contrast_levels;
+    const auto is_unknown = [](const ValleyCandidates& c) { return c.expected_depth_levels <= 0.0; };
+    std::span<const int> chosen = association_.choose(candidates_, threshold, options);
+    if (std::none_of(candidates_.begin(), candidates_.end(), is_unknown)) return chosen;
+    chosen_depths_.clear();
+    for (std::size_t j = 0; j < chosen.size(); ++j)
+        if (chosen[j] >= 0)
+            chosen_depths_.push_back(
+                candidates_[j].valleys[static_cast<std::size_t>(chosen[j])].depth_levels);
+    const double usual = median(chosen_depths_);
+    for (ValleyCandidates& c : candidates_)
+        if (is_unknown(c)) c.expected_depth_levels = usual;
+    return association_.choose(candidates_, threshold, options);
+}
+
 void CurveSight::look_with(std::size_t eye, const ImageView& image, std::span<const CubicBasisValues> samples,
                            const Eigen::Matrix3Xd& Q, const OcclusionMask& mask, const Look& look,
                            std::vector<LineMeasurement>& measured) {
@@ -96,11 +125,7 @@ void CurveSight::look_with(std::size_t eye, const ImageView& image, std::span<co
                                ? LineMeasurement::Kind::kMissing
                                : LineMeasurement::Kind::kHidden;
     }
-    ValleyAssociationOptions options;
-    options.search_px = look.search_px * scale_;
-    options.jump_px = scale_ * 80.0 / static_cast<double>(samples.size());
-    const std::span<const int> chosen =
-        association_.choose(candidates_, look.threshold_share * config_.refined.contrast_levels, options);
+    const std::span<const int> chosen = choose(look);
     for (std::size_t j = 0; j < samples.size(); ++j) {
         if (chosen[j] < 0) continue;
         const Valley& valley = candidates_[j].valleys[static_cast<std::size_t>(chosen[j])];
@@ -138,14 +163,13 @@ void CurveSight::localise(const ImageView& image, std::vector<LineMeasurement>& 
         noises_.push_back(found.noise_levels);
     }
     if (noises_.empty()) return;
-    const auto middle = noises_.begin() + static_cast<std::ptrdiff_t>(noises_.size() / 2);
-    std::nth_element(noises_.begin(), middle, noises_.end());
+    const double usual = median(noises_);
     for (std::size_t j = 0; j < measured.size(); ++j) {
         LineMeasurement& m = measured[j];
         if (m.kind != LineMeasurement::Kind::kSeen) continue;
-        m.sigma_px = std::hypot(m.sigma_px * *middle, kLeastSigma_px);
+        m.sigma_px = std::hypot(m.sigma_px * usual, kLeastSigma_px);
         // What no bar explains pulls the bar aside: another line that joins, a rim, gloss.
-        const double ratio = left_over_levels_[j] / *middle;
+        const double ratio = left_over_levels_[j] / usual;
         if (ratio > kUsualNoise) m.sigma_px *= (ratio / kUsualNoise) * (ratio / kUsualNoise);
     }
 }
@@ -154,15 +178,22 @@ void CurveSight::reset() {
     for (auto& depths : expected_depth_levels_) std::fill(depths.begin(), depths.end(), 0.0);
 }
 
-// The contrast of each part of the thread, so that something else is known as such.
+// The contrast of each part of the thread, so that something else is known as such. What crosses the thread
+// is not learned: no part differs from the rest by more than a factor of two.
 void CurveSight::learn(const std::array<std::vector<LineMeasurement>, 2>& lines) {
-    for (std::size_t eye = 0; eye < 2; ++eye)
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        chosen_depths_.clear();
+        for (const LineMeasurement& m : lines[eye])
+            if (m.kind == LineMeasurement::Kind::kSeen) chosen_depths_.push_back(m.depth_levels);
+        const double usual = median(chosen_depths_);
         for (std::size_t j = 0; j < lines[eye].size(); ++j) {
             const LineMeasurement& m = lines[eye][j];
             double& depth = expected_depth_levels_[eye][j];
             if (m.kind != LineMeasurement::Kind::kSeen) continue;
-            depth = depth > 0.0 ? 0.9 * depth + 0.1 * m.depth_levels : m.depth_levels;
+            const double seen = std::clamp(m.depth_levels, 0.5 * usual, 2.0 * usual);
+            depth = depth > 0.0 ? 0.9 * depth + 0.1 * seen : seen;
         }
+    }
 }
 
 void CurveSight::save(double* out) const {

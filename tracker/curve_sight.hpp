@@ -52,6 +52,7 @@ class CurveSight {
                    std::vector<LineMeasurement>& measured);
     bool look_across(std::size_t eye, const ImageView& image, std::size_t j, const CubicBasisValues& sample,
                      const Eigen::Matrix3Xd& Q, const OcclusionMask& mask, const Look& look);
+    std::span<const int> choose(const Look& look);
     void localise(const ImageView& image, std::vector<LineMeasurement>& measured);
 
     scenes::TrackerConfig config_;
@@ -65,7 +66,7 @@ class CurveSight {
     std::vector<ValleyCandidates> candidates_;
     std::vector<NormalLine> lines_;
     std::vector<double> widths_px_;
-    std::vector<double> noises_, left_over_levels_;
+    std::vector<double> noises_, left_over_levels_, chosen_depths_;
 };
 
 }  // namespace atropos::tracker

@@ -21,7 +21,7 @@ struct ValleyAssociationOptions {
     double jump_px = 1.0;           ///< change of offset between neighbours that costs 1
     double jump_limit = 1.5;        ///< most that a jump can cost
     double missing_cost = 0.55;     ///< of a sample without a valley
-    double appearance_cost = 0.15;  ///< of a depth that differs by a factor e from the expected one
+    double appearance_cost = 0.4;  ///< of a depth that differs by a factor e from the expected one
 };
 
 /// Chooses one valley, or none, for each sample along one eye's curve: the offsets of neighbours should
