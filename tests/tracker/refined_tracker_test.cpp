@@ -94,6 +94,29 @@ TEST(RefinedTracker, leaves_well_measured_ends_where_they_are_while_a_vessel_run
     EXPECT_LT(mean_m, 0.00025);
 }
 
+TEST(RefinedTracker, does_not_claim_a_curve_whose_end_is_where_no_arm_is) {
+    const SyntheticSequenceOptions options{.seed = 31};
+    const SyntheticFrame drawn = SyntheticSequence(options).frame(0);
+    StereoFrame frame = frame_of(drawn, 0);
+    frame.tips[0]->p_C += 0.010 * Eigen::Vector3d::UnitY();
+    RefinedTracker tracker(config_for(options), options.rig);
+    const TrackResult& result = tracker.start(frame, initial_curve(drawn.truth_C));
+    EXPECT_GT(result.support, 0.8);
+    EXPECT_NE(result.estimate.status, scenes::TrackStatus::kTracking);
+}
+
+TEST(RefinedTracker, stays_on_a_thread_that_is_hardly_darker_than_the_noise) {
+    const SyntheticSequenceOptions options{.seed = 101, .contrast = 14.0};
+    const SyntheticSequence sequence(options);
+    RefinedTracker tracker(config_for(options), options.rig);
+    for (int i = 0; i < 12; ++i) {
+        const SyntheticFrame drawn = sequence.frame(i);
+        const TrackResult& result = i == 0 ? tracker.start(frame_of(drawn, i), initial_curve(drawn.truth_C))
+                                           : tracker.track(frame_of(drawn, i));
+        EXPECT_LT(mean_distance_m(result.estimate, drawn.truth_C), 0.0012) << "frame " << i;
+    }
+}
+
 TEST(RefinedTracker, follows_a_bright_thread) {
     EXPECT_LT(error_after({.seed = 32, .dark = false}, 6), 0.0004);
 }
