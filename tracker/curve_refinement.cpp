@@ -124,12 +124,19 @@ double CurveRefinement::add_length(const CurveProblem& problem, const Eigen::Mat
     return cost + 0.5 * prior * r * r;
 }
 
-double CurveRefinement::add_bending(const Eigen::Matrix3Xd& Q, double length_m, bool normal_equations) {
+double CurveRefinement::add_bending(const Eigen::Matrix3Xd& Q, double length_m, double expected_length_m,
+                                    bool normal_equations) {
     double cost = 0.0;
     const auto add = [&](const std::vector<CubicBasisValues>& places, double scale, double sigma, int usual) {
         // The prior is of the curve, not of its knots: fewer places weigh more.
-        const double weight = usual / static_cast<double>(places.size()) / (sigma * sigma);
-        for (const CubicBasisValues& place : places) {
+        const double usual_weight = usual / static_cast<double>(places.size()) / (sigma * sigma);
+        const double last = static_cast<double>(places.size()) - 1.0;
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const CubicBasisValues& place = places[i];
+            const double inside = std::min(static_cast<double>(i), last - static_cast<double>(i)) / last;
+            const double soft = 1.0 + (priors_.clamp_factor - 1.0) *
+                                          std::exp(-inside * expected_length_m / priors_.clamp_reach_m);
+            const double weight = usual_weight / (soft * soft);
             const Eigen::Vector3d r = scale * place.bend(Q);
             cost += 0.5 * weight * r.squaredNorm();
             if (!normal_equations) continue;
@@ -193,7 +200,8 @@ double CurveRefinement::accumulate(const CurveProblem& problem, const Eigen::Mat
                                    bool normal_equations) {
     if (normal_equations) system_.set_zero();
     return add_lines(problem, Q, normal_equations) + add_length(problem, Q, length_m, normal_equations) +
-           add_bending(Q, length_m, normal_equations) + add_points(problem, Q, normal_equations);
+           add_bending(Q, length_m, problem.length_m, normal_equations) +
+           add_points(problem, Q, normal_equations);
 }
 
 double CurveRefinement::refine(const CurveProblem& problem, int iterations, Eigen::Matrix3Xd& Q,

@@ -61,7 +61,9 @@ struct CurvePriors {
     double stretch_sigma = 0.007;                   ///< |C'(u)| / length - 1 at each sample
     double curvature_sigma_per_m = 30.0;            ///< of C''/length^2 at each of 14 knots
     double curvature_change_sigma_per_m2 = 4000.0;  ///< of C'''/length^3 in each of 13 spans
-    double motion_sigma_m = 0.020;                  ///< of control points about the motion's prediction
+    double clamp_factor = 3.0;  ///< both sigmas of bending grow by this at the ends: jaws clamp a direction
+    double clamp_reach_m = 0.005;   ///< over which that fades (by a factor e)
+    double motion_sigma_m = 0.020;  ///< of control points about the motion's prediction
 };
 
 /// Continuous refinement of the curve: damped Gauss-Newton on 3K control points and the curve's length.
@@ -99,7 +101,8 @@ class CurveRefinement {
     double add_lines(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, bool normal_equations);
     double add_length(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
                       bool normal_equations);
-    double add_bending(const Eigen::Matrix3Xd& Q, double length_m, bool normal_equations);
+    double add_bending(const Eigen::Matrix3Xd& Q, double length_m, double expected_length_m,
+                       bool normal_equations);
     double add_points(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, bool normal_equations);
     double add_end(int k, const EndPrior& prior, const Eigen::Matrix3Xd& Q, bool normal_equations);
     double add_point(int k, const Eigen::Vector3d& error, double weight, bool normal_equations);

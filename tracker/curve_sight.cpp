@@ -14,6 +14,10 @@ constexpr double kUsualNoise = 1.5;  ///< of a profile's noise over the middle o
 
 constexpr double kSignificance = 3.5;  ///< sigmas of contrast that make a bar
 
+bool is_valley(const LineMeasurement& m) {
+    return m.kind == LineMeasurement::Kind::kSeen && m.depth_levels > 0.0;
+}
+
 /// 0 of none; changes the order.
 double median(std::vector<double>& values) {
     if (values.empty()) return 0.0;
@@ -147,7 +151,10 @@ void CurveSight::localise(const ImageView& image, std::vector<LineMeasurement>& 
         LineMeasurement& m = measured[j];
         if (m.kind == LineMeasurement::Kind::kHidden) continue;
         NormalLine line = lines_[j];
-        if (m.kind == LineMeasurement::Kind::kSeen) line.p_px = m.point_px;
+        if (m.kind == LineMeasurement::Kind::kSeen)
+            line.p_px = m.point_px;
+        else
+            m.depth_levels = 0.0;  // no valley: nothing to learn
         m.kind = LineMeasurement::Kind::kMissing;
         ValleyFilter::Localisation found;
         if (!filter_.localise(image, line, widths_px_[j], found) ||
@@ -184,12 +191,12 @@ void CurveSight::learn(const std::array<std::vector<LineMeasurement>, 2>& lines)
     for (std::size_t eye = 0; eye < 2; ++eye) {
         chosen_depths_.clear();
         for (const LineMeasurement& m : lines[eye])
-            if (m.kind == LineMeasurement::Kind::kSeen) chosen_depths_.push_back(m.depth_levels);
+            if (is_valley(m)) chosen_depths_.push_back(m.depth_levels);
         const double usual = median(chosen_depths_);
         for (std::size_t j = 0; j < lines[eye].size(); ++j) {
             const LineMeasurement& m = lines[eye][j];
             double& depth = expected_depth_levels_[eye][j];
-            if (m.kind != LineMeasurement::Kind::kSeen) continue;
+            if (!is_valley(m)) continue;
             const double seen = std::clamp(m.depth_levels, 0.5 * usual, 2.0 * usual);
             depth = depth > 0.0 ? 0.9 * depth + 0.1 * seen : seen;
         }
