@@ -67,6 +67,7 @@ class BladePursuit {
     bool arrived() const { return share_.done(); }
     double standoff_m() const { return standoff_.state.position; }
     bool at_standoff() const { return standoff_.done(); }
+    bool is_advancing() const { return !at_standoff() && standoff_.goal < standoff_.state.position; }
 
   private:
     struct Glide {

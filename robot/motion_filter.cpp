@@ -38,12 +38,6 @@ double MotionFilter::jerk_density() const {
     return 2.0 * adapted_ * sigma * sigma / options_.forget_s;
 }
 
-// Of velocity and acceleration: variance along against across.
-Matrix3d MotionFilter::shape() const {
-    const double share = options_.along_share;
-    return Matrix3d::Identity() + (share * share - 1.0) * along_ * along_.transpose();
-}
-
 MotionFilter::Observation MotionFilter::observation(const Vector3d& drive) {
     Observation H = Observation::Zero();
     H.leftCols<3>().setIdentity();
@@ -60,8 +54,8 @@ void MotionFilter::start(double time_s, const Vector3d& p, const Matrix3d& covar
     belief_.x.col(0) = p;
     belief_.P.setZero();
     belief_.P.block<3, 3>(0, 0) = covariance;
-    belief_.P.block<3, 3>(3, 3) = std::pow(options_.velocity_sigma_m_s, 2) * shape();
-    belief_.P.block<3, 3>(6, 6) = std::pow(options_.acceleration_sigma_m_s2, 2) * shape();
+    belief_.P.block<3, 3>(3, 3).diagonal().setConstant(std::pow(options_.velocity_sigma_m_s, 2));
+    belief_.P.block<3, 3>(6, 6).diagonal().setConstant(std::pow(options_.acceleration_sigma_m_s2, 2));
     belief_.P.diagonal().tail<kSize - kMotion>().setConstant(std::pow(options_.response_sigma, 2));
 }
 
@@ -70,7 +64,7 @@ MotionFilter::Belief MotionFilter::advanced(double time_s) const {
     const double span = std::max(time_s - time_s_, 0.0);
     const int steps = std::clamp(static_cast<int>(std::ceil(4.0 * span / options_.forget_s)), 1, 40);
     const double dt = span / steps;
-    const Matrix3d F = transition(dt, options_.forget_s), Q = jerk_density() * jerk_noise(dt), M = shape();
+    const Matrix3d F = transition(dt, options_.forget_s), Q = jerk_density() * jerk_noise(dt);
     const double keep = std::exp(-dt / options_.response_forget_s);
     Matrix18d FF = Matrix18d::Zero();
     for (int i = 0; i < 3; ++i)
@@ -83,7 +77,7 @@ MotionFilter::Belief MotionFilter::advanced(double time_s) const {
         const Matrix18d FP = FF * b.P;
         b.P.noalias() = FP * FF.transpose();
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) b.P.block<3, 3>(3 * i, 3 * j) += Q(i, j) * M;
+            for (int j = 0; j < 3; ++j) b.P.block<3, 3>(3 * i, 3 * j).diagonal().array() += Q(i, j);
         b.P.diagonal().tail<kSize - kMotion>().array() += fresh;
     }
     return b;
@@ -109,10 +103,7 @@ void MotionFilter::update(double time_s, const Vector3d& p, const Matrix3d& cova
     const Matrix18d I_KH = Matrix18d::Identity() - K * H;
     b.P = (I_KH * b.P * I_KH.transpose() + K * covariance * K.transpose()).eval();  // Joseph: stays positive
     // Innovations too large mean that the motion is livelier than thought.
-    const Vector3d across = innovation - along_.dot(innovation) * along_;
-    const double ratio = options_.along_share < 1.0
-                             ? across.squaredNorm() / (S.trace() - along_.dot(S * along_))
-                             : innovation.dot(S_inverse * innovation) / 3.0;
+    const double ratio = innovation.dot(S_inverse * innovation) / 3.0;
     adapted_ = std::clamp(adapted_ * (1.0 + 0.1 * std::clamp(ratio - 1.0, -1.0, 3.0)), options_.least_adapted,
                           options_.most_adapted);
     belief_ = b;
@@ -131,7 +122,7 @@ MotionFilter::State MotionFilter::at(double time_s, const Vector3d& drive) const
     const Observation H = observation(drive_), H_moved = observation(drive - drive_);
     state.known = H * belief_.P * H.transpose();
     state.growth = dt * dt * belief_.P.block<3, 3>(3, 3) + F(0, 2) * F(0, 2) * belief_.P.block<3, 3>(6, 6) +
-                   Q(0, 0) * shape();
+                   Q(0, 0) * Matrix3d::Identity();
     if (options_.response_sigma > 0.0)
         state.growth += H_moved.rightCols<kSize - kMotion>() *
                         belief_.P.bottomRightCorner<kSize - kMotion, kSize - kMotion>() *

@@ -11,9 +11,8 @@ class MotionFilter {
   public:
     struct Options {
         double acceleration_sigma_m_s2 = 0.05;
-        double forget_s = 0.3;             ///< correlation time of the acceleration
-        double velocity_sigma_m_s = 0.05;  ///< before anything is known
-        double along_share = 1.0;          ///< of acceleration and velocity along `set_along`'s direction
+        double forget_s = 0.3;                              ///< correlation time of the acceleration
+        double velocity_sigma_m_s = 0.05;                   ///< before anything is known
         double least_adapted = 0.02, most_adapted = 100.0;  ///< bounds of the adaptation, of the variance
         double response_sigma = 0.0;      ///< of each entry of R; 0: nothing drives the point
         double response_forget_s = 20.0;  ///< in which R becomes another one
@@ -29,9 +28,6 @@ class MotionFilter {
 
     MotionFilter() = default;
     explicit MotionFilter(const Options& options) : options_(options) {}
-
-    /// Unit direction in which the motion differs by `along_share`; the adaptation heeds what is across it.
-    void set_along(const Eigen::Vector3d& direction) { along_ = direction; }
 
     bool started() const { return started_; }
     double time_s() const { return time_s_; }
@@ -58,13 +54,11 @@ class MotionFilter {
     };
     Belief advanced(double time_s) const;
     double jerk_density() const;
-    Eigen::Matrix3d shape() const;
     static Observation observation(const Eigen::Vector3d& drive);
 
     Options options_;
     bool started_ = false;
     double time_s_ = 0.0;
-    Eigen::Vector3d along_ = Eigen::Vector3d::UnitX();
     Eigen::Vector3d drive_ = Eigen::Vector3d::Zero();  // at the last update
     double adapted_ = 1.0;                             // of the acceleration's variance
     Belief belief_{Eigen::Matrix<double, 3, 6>::Zero(), Matrix18d::Zero()};

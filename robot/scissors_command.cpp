@@ -17,7 +17,9 @@ constexpr double kStall_m = 0.002, kStall_s = 0.10, kUsualLag_s = 0.012;
 constexpr double kBlocked_s = 0.30;                        // no way on for so long
 constexpr double kSettled_m = 0.001, kSettled_rad = 0.05;  // pursuit has caught up
 constexpr double kPlanEvery_s = 0.10, kPlanFor_s = 2.0;
+constexpr double kBladesClear_m = 0.005;   // stand-off down to which their tips do not reach the thread
 constexpr double kWithdrawAfter_s = 0.30;  // gate shut while the thread lies between the blades
+constexpr double kFreeShare = 0.6;  // of the closing, in which the blades are still clear of the thread
 constexpr double kShut_rad = 0.03, kShutWithin_s = 1.0;
 constexpr double kHomeWithin_s = 15.0;
 constexpr int kChecksToBelieve = 3;  // in a row
@@ -113,9 +115,9 @@ void ScissorsCommand::observe(const ScissorsInput& input) {
 }
 
 void ScissorsCommand::observe_estimate(const scenes::ThreadEstimate& estimate) {
-    // Once the blades close, the thread is no longer what was tracked.
-    if (!before_close() && (status_.close_time_s < 0.0 || estimate.capture_time_s > status_.close_time_s))
-        return;
+    // Once the blades meet the thread, it is no longer what was tracked.
+    const double touched_s = status_.close_time_s + kFreeShare * closing_s_;
+    if (!before_close() && (status_.close_time_s < 0.0 || estimate.capture_time_s > touched_s)) return;
     arrival_s_ = now_s_;
     const ThreadPredictor::Verdict verdict = thread_.observe(estimate);
     tracking_ = verdict == ThreadPredictor::Verdict::kUsed;
@@ -293,6 +295,11 @@ void ScissorsCommand::follow() {
             return abort(text("the gate did not stay open in %.0f attempts", status_.attempts));
         ++status_.attempts;
         return pursuit_.advance_to(0.0);
+    }
+    if (!status_.gate_open && pursuit_.is_advancing() && standoff_m > kBladesClear_m &&
+        now_s_ - gate_shut_since_s_ > options_.dwell_s) {
+        --status_.attempts;  // the thread was not touched
+        return pursuit_.advance_to(options_.standoff_m);
     }
     if (!status_.gate_open && now_s_ - gate_shut_since_s_ > kWithdrawAfter_s)
         return pursuit_.advance_to(options_.standoff_m);

@@ -13,18 +13,17 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // Of a thread that hangs between moving grips, measured over seeds of the default scene and the fast one:
-// beside what the response to the grips explains, the middle moves with 0.03 to 0.2 m/s^2 across the thread
-// and a tenth of that along it.
-constexpr MotionFilter::Options kRelative{0.04, 0.3, 0.005, 0.15, 0.1, 25.0, 0.4, 20.0};
+// beside what the response to the grips explains, the middle moves with 0.03 to 0.2 m/s^2, across the thread
+// and along it: it swings to and fro as a whole.
+constexpr MotionFilter::Options kRelative{0.04, 0.3, 0.005, 0.1, 25.0, 0.4, 20.0};
 constexpr MotionFilter::Options kGrips{0.10, 0.2, 0.05};
 constexpr double kTangentReach_m = 0.004;  // half of the chord that gives the tangent
 constexpr double kTangentMemory = 0.3;     // share of a new tangent
 constexpr double kGripSigma_m = 2e-5;      // of measured motion over a few tenths of a second
 constexpr double kMaxSurprise = 30.0;      // squared, three degrees of freedom: one in a million
 constexpr double kModelSigma_m = 3e-4;     // no innovation below this is a jump
-// What a tracker's sigmas leave out: along the thread a point is known by the ends alone and slides for some
-// frames at a time; 0.2 mm where the ends are known to 0.3 mm.
-constexpr double kSlideSigma_m = 4e-4, kJitterSigma_m = 1.5e-4;
+// What a tracker's sigmas leave out: along the thread a point is known by the ends alone.
+constexpr double kSlideSigma_m = 1.5e-4, kJitterSigma_m = 1.5e-4;
 constexpr double kSwing_m_s = 0.010;  // of the thread against its grips, where no frames came
 constexpr double kLongestUnseen_s = 0.5;
 // The thread's motion against its grips is a swing: what it does now says nothing of where it is a little
@@ -200,7 +199,6 @@ ThreadPredictor::Verdict ThreadPredictor::observe(const scenes::ThreadEstimate& 
     const double share = relative_.started() ? kTangentMemory : 1.0;
     tangent_ = ((1.0 - share) * tangent_ + share * along).normalized();
     length_m_ = length_m_ > 0.0 ? 0.98 * length_m_ + 0.02 * length : length;
-    relative_.set_along(tangent_);
     if (relative_.started())
         relative_.update(now, relative, R + kGripSigma_m * kGripSigma_m * Matrix3d::Identity(), drive(grips));
     else {

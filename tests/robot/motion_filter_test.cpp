@@ -55,15 +55,5 @@ TEST(MotionFilter, learns_how_a_point_gives_to_what_drives_it) {
     EXPECT_LT(with, 0.3 * without);
 }
 
-TEST(MotionFilter, stays_surer_along_a_direction_of_little_motion) {
-    MotionFilter::Options options{0.04, 0.3, 0.01, 0.1};
-    MotionFilter filter(options);
-    filter.set_along(Vector3d::UnitY());
-    filter.start(0.0, Vector3d::Zero(), 1e-8 * Matrix3d::Identity());
-    const Matrix3d growth = filter.at(0.2).growth;
-    EXPECT_NEAR(std::sqrt(growth(1, 1) / growth(0, 0)), 0.1, 1e-9);
-    EXPECT_NEAR(growth(0, 0), growth(2, 2), 1e-15);
-}
-
 }  // namespace
 }  // namespace atropos::robot
