@@ -16,11 +16,11 @@ struct ValleyCandidates {
 };
 
 struct ValleyAssociationOptions {
-    double search_px = 12.0;        ///< offset that costs `distance_cost`
-    double distance_cost = 0.25;    ///< distance from the prediction
-    double jump_px = 1.0;           ///< change of offset between neighbours that costs 1
-    double jump_limit = 1.5;        ///< most that a jump can cost
-    double missing_cost = 0.55;     ///< of a sample without a valley
+    double search_px = 12.0;       ///< offset that costs `distance_cost`
+    double distance_cost = 0.25;   ///< distance from the prediction
+    double jump_px = 1.0;          ///< change of offset between neighbours that costs 1
+    double jump_limit = 1.5;       ///< most that a jump can cost
+    double missing_cost = 0.55;    ///< of a sample without a valley
     double appearance_cost = 0.4;  ///< of a depth that differs by a factor e from the expected one
 };
 
