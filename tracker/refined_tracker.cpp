@@ -10,7 +10,10 @@ namespace atropos::tracker {
 namespace {
 
 constexpr double kVelocityDamping = 0.5;
-constexpr double kLeastEndOff_m = 0.004;  ///< no end is lost that is nearer to where it was measured
+constexpr double kLeastSearch_px = 3.0;     ///< about a prediction that is right; at 640
+constexpr double kSearchPerSurprise = 2.0;  ///< more of it for each px that predictions were off by lately
+constexpr double kSurpriseKept = 0.7;       ///< from one frame to the next
+constexpr double kLeastEndOff_m = 0.004;    ///< no end is lost that is nearer to where it was measured
 
 double elapsed_ms(std::chrono::steady_clock::time_point since) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
@@ -60,6 +63,7 @@ void RefinedTracker::begin(const NurbsCurve& initial) {
     expected_length_sigma_m_ = known ? config_.refined.length_sigma_m : 0.03 * expected_length_m_;
     fit_.length_m = expected_length_m_;
     velocity_m_s_.setZero();
+    surprise_px_ = config_.refined.search_px;
     ends_.forget_motion();
     sight_.reset();
     started_ = confirmed_ = true;
@@ -87,11 +91,13 @@ void RefinedTracker::predict(const StereoFrame& frame) {
 }
 
 void RefinedTracker::refine(const StereoFrame& frame, double first_search_px, Fit& fit) {
-    const double search_px = config_.refined.search_px;
+    const auto share = [&](double most) {
+        return std::min(first_search_px, most * config_.refined.search_px);
+    };
     const Round rounds[] = {{{first_search_px, 1.0, false}, 2.0, 3},
-                            {{0.6 * search_px, 0.8, false}, 1.0, 2},
-                            {{0.33 * search_px, 0.5, false}, 0.5, 2},
-                            {{0.25 * search_px, 0.3, true}, 0.5, 2}};
+                            {{share(0.6), 0.8, false}, 1.0, 2},
+                            {{share(0.33), 0.5, false}, 0.5, 2},
+                            {{share(0.25), 0.3, true}, 0.5, 2}};
     ends_.expect(frame, problem_);
     for (const Round& round : rounds) {
         if (round.look.closely)
@@ -104,6 +110,35 @@ void RefinedTracker::refine(const StereoFrame& frame, double first_search_px, Fi
     fit.quality.end_off_m = ends_.farthest_m(frame, fit.Q);
 }
 
+// As far about the prediction as predictions were wrong lately: what lies farther off is another line.
+// Farther only when nothing is found there.
+void RefinedTracker::look_near_expected(const StereoFrame& frame) {
+    const double widest_px = config_.refined.search_px;
+    const double search_px = kLeastSearch_px + kSearchPerSurprise * surprise_px_;
+    for (const double within_px : {std::min(search_px, widest_px), widest_px}) {
+        fit_.Q = expected_;
+        fit_.length_m = problem_.length_m;
+        refine(frame, within_px, fit_);
+        if (!is_lost(fit_.quality, loss_test_) || within_px == widest_px) return;
+    }
+}
+
+// How far off the thread was across the prediction's images, at most; px at 640.
+double RefinedTracker::surprise_px() const {
+    double most = 0.0;
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        const scenes::Camera& camera = eye == 0 ? rig_.left : rig_.right;
+        for (std::size_t j = 0; j < refinement_.samples().size(); ++j) {
+            const LineMeasurement& line = problem_.lines[eye][j];
+            if (line.kind != LineMeasurement::Kind::kSeen) continue;
+            Eigen::Vector3d p = refinement_.samples()[j].point(expected_);
+            if (eye == 1) p = rig_.X_RC * p;
+            most = std::max(most, std::abs(line.normal.dot(camera.project(p) - line.point_px)));
+        }
+    }
+    return most / scale_;
+}
+
 const TrackResult& RefinedTracker::track(const StereoFrame& frame) {
     const auto began = std::chrono::steady_clock::now();
     timings_ = {};
@@ -114,9 +149,7 @@ const TrackResult& RefinedTracker::track(const StereoFrame& frame) {
     predict(frame);
     show("before", problem_.expected);
     expected_ = problem_.expected;
-    fit_.Q = expected_;
-    fit_.length_m = problem_.length_m;
-    refine(frame, config_.refined.search_px, fit_);
+    look_near_expected(frame);
     timings_.refinement_ms = elapsed_ms(began);
     if (is_lost(fit_.quality, loss_test_) && config_.refined.recovery) recover(frame);
 
@@ -182,6 +215,7 @@ void RefinedTracker::conclude(const StereoFrame& frame) {
     const bool seen = !is_lost(fit_.quality, loss_test_);
     frames_unseen_ = seen ? 0 : frames_unseen_ + 1;
     status_ = seen ? scenes::TrackStatus::kTracking : scenes::TrackStatus::kCoasting;
+    surprise_px_ = seen ? std::max(surprise_px(), kSurpriseKept * surprise_px_) : config_.refined.search_px;
     if (seen) sight_.learn(problem_.lines);
     ends_.remember(frame);
     capture_time_s_ = frame.capture_time_s;

@@ -54,6 +54,8 @@ class RefinedTracker final : public StereoTracker {
     NurbsCurve curve_of(const Eigen::Matrix3Xd& Q) const;
     void predict(const StereoFrame& frame);
     void refine(const StereoFrame& frame, double first_search_px, Fit& fit);
+    void look_near_expected(const StereoFrame& frame);
+    double surprise_px() const;
     void recover(const StereoFrame& frame);
     bool start_from_tips(const StereoFrame& frame);
     void try_fit(const StereoFrame& frame, const NurbsCurve& curve, Fit& best);
@@ -80,6 +82,7 @@ class RefinedTracker final : public StereoTracker {
     double capture_time_s_ = 0.0;
     Fit fit_;
     Eigen::Matrix3Xd velocity_m_s_;  ///< of the control points, beyond what the ends' motion explains
+    double surprise_px_ = 0.0;       ///< that the thread was off its prediction by, lately at most; at 640
     double expected_length_m_ = 0.0;
     double expected_length_sigma_m_ = 0.0;
 

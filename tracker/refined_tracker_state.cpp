@@ -7,7 +7,8 @@
 
 namespace atropos::tracker {
 
-// method_state: length and its sigma, velocities, what is known of the ends, expected depths of the thread.
+// method_state: length and its sigma, how wrong predictions were, velocities, what is known of the ends,
+// expected depths of the thread.
 TrackerState RefinedTracker::state() const {
     TrackerState state;
     state.started = started_;
@@ -20,6 +21,7 @@ TrackerState RefinedTracker::state() const {
     double* out = state.method_state.data();
     *out++ = expected_length_m_;
     *out++ = expected_length_sigma_m_;
+    *out++ = surprise_px_;
     out = std::copy_n(velocity_m_s_.data(), velocity_m_s_.size(), out);
     ends_.save(out);
     sight_.save(out + MeasuredEnds::kStateSize);
@@ -43,6 +45,7 @@ void RefinedTracker::restore(const TrackerState& state) {
     const double* in = state.method_state.data();
     expected_length_m_ = *in++;
     expected_length_sigma_m_ = *in++;
+    surprise_px_ = *in++;
     std::copy_n(in, velocity_m_s_.size(), velocity_m_s_.data());
     in += velocity_m_s_.size();
     ends_.load(in);
@@ -50,7 +53,7 @@ void RefinedTracker::restore(const TrackerState& state) {
 }
 
 std::size_t RefinedTracker::method_state_size() const {
-    return 2 + static_cast<std::size_t>(velocity_m_s_.size()) + MeasuredEnds::kStateSize +
+    return 3 + static_cast<std::size_t>(velocity_m_s_.size()) + MeasuredEnds::kStateSize +
            sight_.state_size();
 }
 

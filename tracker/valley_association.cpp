@@ -6,11 +6,17 @@
 namespace atropos::tracker {
 namespace {
 
+constexpr double kFaint = 0.13;  ///< of a thread's usual depth: hardly seen
+
 double own_cost(const ValleyCandidates& sample, int state, double threshold,
                 const ValleyAssociationOptions& options) {
     if (state == ValleyFilter::kMaxValleys) return options.missing_cost;
     const Valley& valley = sample.valleys[static_cast<std::size_t>(state)];
-    const double faint = threshold / (valley.depth_levels + threshold);
+    // A thread that is known to be faint is not a worse valley for it.
+    const double hardly_seen = sample.expected_depth_levels > 0.0
+                                   ? std::min(threshold, kFaint * sample.expected_depth_levels)
+                                   : threshold;
+    const double faint = hardly_seen / (valley.depth_levels + hardly_seen);
     const double away = valley.offset_px / options.search_px;
     double cost = faint + options.distance_cost * away * away;
     if (sample.expected_depth_levels > 0.0)
