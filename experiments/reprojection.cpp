@@ -19,12 +19,17 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kCurvePoints = 501;
+// Of the first tracker's labels over its steps, half of Table I's: enough for what moves 0.8 px a frame, and
+// with steps so small that the jitter they leave in the spline is not most of its motion.
+constexpr double kFirstReach_px = 7.0;
 
 /// The paper's first tracker of the recorded sequence, told the exact ends.
-scenes::TrackerConfig first_tracker(const scenes::SceneConfig& scene) {
+scenes::TrackerConfig first_tracker(const Testbed& testbed) {
     scenes::TrackerConfig config;
-    config.thread = scene.tracking.tracker.thread;
+    config.thread = testbed.scene().tracking.tracker.thread;
     config.method = scenes::TrackerMethod::kE2;
+    const double z_m = 0.5 * (testbed.true_grip_C(0).z() + testbed.true_grip_C(1).z());
+    config.labels.s_m = kFirstReach_px * testbed.told_rig().m_per_px(z_m) / (1.5 * config.labels.r);
     return config;
 }
 
@@ -53,7 +58,7 @@ scenes::Polyline sampled(const std::vector<Eigen::Vector3d>& control_points, int
 void make_reprojected_sequence(const scenes::SceneConfig& scene, const fs::path& folder) {
     Testbed testbed(scene);
     EndoscopeView first(testbed), second(testbed);
-    const scenes::TrackerConfig config = first_tracker(scene);
+    const scenes::TrackerConfig config = first_tracker(testbed);
     const auto tracker = tracker::make_tracker(config, testbed.told_rig());
     for (const char* name : {"calib", "left", "right", "truth"}) fs::create_directories(folder / name);
     write_file(folder / "calib" / "stereo.yaml", scenes::to_opencv_yaml(testbed.told_rig()));
