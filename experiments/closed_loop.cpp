@@ -39,6 +39,8 @@ ClosedLoop::ClosedLoop(const scenes::SceneConfig& scene, const TrackerMaker& mak
       endoscope_(testbed_),
       pilot_(scene, testbed_.told_rig(), read_all(testbed_), endoscope_.instruments(),
              testbed_.arm(kScissorsArm).controller(), make_tracker) {
+    if (testbed_.is_knotted())
+        throw std::invalid_argument("arms.PSM1 holds nothing, expected the thread's start in a closed loop");
     if (scene_.cut.controller != CutController::kTracker)
         pilot_.substitute([this](const ThreadEstimate& estimate) { return substituted(estimate); });
 }

@@ -6,6 +6,7 @@
 
 #include "experiments/closed_loop.hpp"
 #include "experiments/external_tracker.hpp"
+#include "experiments/knot_ends.hpp"
 #include "experiments/metrics.hpp"
 #include "experiments/output_folder.hpp"
 #include "experiments/overlay.hpp"
@@ -59,6 +60,7 @@ void track_job(const JobSpec& job, const fs::path& sequence_folder, const fs::pa
                             : make_external_tracker({job.command}, rig, log, true);
     const std::vector<TruthFrame> truth = read_truth(sequence_folder, sequence.frames());
     TrackWriter writer;
+    KnotEnds knots;
     std::vector<EvaluatedFrame> frames;
     std::vector<scenes::Polyline> spans;
     WorstFrame worst;
@@ -66,7 +68,9 @@ void track_job(const JobSpec& job, const fs::path& sequence_folder, const fs::pa
         tracker::StereoFrame frame = sequence.frame(k);
         frame.index = n;
         degrade(frame, job.degradation, job.scene.seed);
+        knots.place(frame);
         const tracker::TrackResult& result = tracker->track(frame);
+        knots.learn(frame, result.estimate);
         writer.add(result);
         writer.add_timings(tracker->timings());
         const scenes::Polyline& span = truth[static_cast<size_t>(k)].span_C;

@@ -56,6 +56,8 @@ std::unique_ptr<Moment> track_until(const scenes::SceneConfig& scene, double tim
     auto moment = std::make_unique<Moment>();
     moment->testbed = std::make_unique<Testbed>(scene);
     Testbed& testbed = *moment->testbed;
+    if (testbed.is_knotted())
+        throw std::invalid_argument("arms.PSM1 holds nothing, expected the thread's start in a figure");
     EndoscopeView endoscope(testbed);
     const auto tracker = tracker::make_tracker(scene.tracking.tracker, testbed.rig());
     tracker->set_observer(&moment->seen);

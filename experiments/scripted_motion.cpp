@@ -44,31 +44,39 @@ Isometry3d believed(const robot::RobotArm& arm, const Isometry3d& X_TF) {
     return arm.X_CB() * arm.psm().forward(arm.controller().goal()) * X_TF;
 }
 
+/// Through way-points from where the arm is.
+robot::MotionScript waypoint_script(const scenes::WaypointConfig& keys, const robot::RobotArm& arm) {
+    const Isometry3d X_TF = working_frame(arm.psm().tool()), X_CF = believed(arm, X_TF);
+    std::vector<Isometry3d> way;
+    for (size_t i = 0; i < keys.offsets_m.size(); ++i) {
+        way.push_back(X_CF);
+        way.back().translation() += keys.offsets_m[i];
+        const Vector3d turn = keys.turns_rad.empty() ? Vector3d::Zero() : keys.turns_rad[i];
+        if (const double angle = turn.norm(); angle > 0.0)
+            way.back().linear() = Eigen::AngleAxisd(angle, turn / angle) * X_CF.linear();
+    }
+    robot::MotionScript script(X_TF);
+    const double v = keys.speed_m_s;
+    return script.through(std::move(way), keys.blend_m, {v, 10.0 * v, 200.0 * v});
+}
+
+void check_waypoints(const scenes::WaypointConfig& keys, int arm) {
+    if (!keys.turns_rad.empty() && keys.turns_rad.size() != keys.offsets_m.size())
+        throw std::invalid_argument(
+            fmt::format("arms.PSM{}.waypoints.turns_deg has {} rows, expected {} like offsets_mm", arm + 1,
+                        keys.turns_rad.size(), keys.offsets_m.size()));
+}
+
 class Waypoints final : public ArmMotion {
   public:
     Waypoints(const scenes::WaypointConfig& keys, double time_scale) : keys_(keys), time_scale_(time_scale) {}
 
     void step(const MotionView& view) override {
-        if (!script_.is_under_way()) script_.begin(script(view.arm), view.arm, time_scale_);
+        if (!script_.is_under_way()) script_.begin(waypoint_script(keys_, view.arm), view.arm, time_scale_);
         script_.step(view.arm);
     }
 
   private:
-    robot::MotionScript script(const robot::RobotArm& arm) const {
-        const Isometry3d X_TF = working_frame(arm.psm().tool()), X_CF = believed(arm, X_TF);
-        std::vector<Isometry3d> way;
-        for (size_t i = 0; i < keys_.offsets_m.size(); ++i) {
-            way.push_back(X_CF);
-            way.back().translation() += keys_.offsets_m[i];
-            const Vector3d turn = keys_.turns_rad.empty() ? Vector3d::Zero() : keys_.turns_rad[i];
-            if (const double angle = turn.norm(); angle > 0.0)
-                way.back().linear() = Eigen::AngleAxisd(angle, turn / angle) * X_CF.linear();
-        }
-        robot::MotionScript script(X_TF);
-        const double v = keys_.speed_m_s;
-        return script.through(std::move(way), keys_.blend_m, {v, 10.0 * v, 200.0 * v});
-    }
-
     scenes::WaypointConfig keys_;
     double time_scale_;
     Scripted script_;
@@ -109,7 +117,10 @@ class Pulling final : public ArmMotion {
 class MidGrasp final : public ArmMotion {
   public:
     MidGrasp(const scenes::SceneConfig& scene, const MotionStart& start)
-        : keys_(scene.arms.mid_grasp), time_scale_(scene.arms.time_scale), start_(start) {}
+        : keys_(scene.arms.mid_grasp),
+          way_(scene.arms.psm3.waypoints),
+          time_scale_(scene.arms.time_scale),
+          start_(start) {}
 
     void step(const MotionView& view) override {
         if (view.next_s < keys_.at_s / time_scale_) return;
@@ -123,9 +134,12 @@ class MidGrasp final : public ArmMotion {
             // Near it, and with the wrist as it will be, the surgeon sees what the instrument is off by.
             grasp_.begin(robot::grasp_script(tool, aim(view), kApproach_m, keys_.lift_m), view.arm,
                          time_scale_);
+        } else if (grasp_.is_done() && !carry_.is_under_way() && !way_.offsets_m.empty()) {
+            carry_.begin(waypoint_script(way_, view.arm), view.arm, time_scale_);
         }
         approach_.step(view.arm);
         grasp_.step(view.arm);
+        carry_.step(view.arm);
     }
 
   private:
@@ -144,21 +158,20 @@ class MidGrasp final : public ArmMotion {
     }
 
     scenes::MidGraspConfig keys_;
+    scenes::WaypointConfig way_;
     double time_scale_;
     MotionStart start_;
-    Scripted approach_, grasp_;
+    Scripted approach_, grasp_, carry_;
 };
 
 }  // namespace
 
 std::unique_ptr<ArmMotion> make_waypoint_motion(const scenes::SceneConfig& scene, int arm) {
     const scenes::WaypointConfig& keys = arm_config(scene, arm).waypoints;
-    const std::string section = fmt::format("arms.PSM{}.waypoints", arm + 1);
     if (keys.offsets_m.empty())
-        throw std::invalid_argument(section + ".offsets_mm is empty, expected at least one way-point");
-    if (!keys.turns_rad.empty() && keys.turns_rad.size() != keys.offsets_m.size())
-        throw std::invalid_argument(fmt::format("{}.turns_deg has {} rows, expected {} like offsets_mm",
-                                                section, keys.turns_rad.size(), keys.offsets_m.size()));
+        throw std::invalid_argument(fmt::format(
+            "arms.PSM{}.waypoints.offsets_mm is empty, expected at least one way-point", arm + 1));
+    check_waypoints(keys, arm);
     return std::make_unique<Waypoints>(keys, scene.arms.time_scale);
 }
 
@@ -171,6 +184,7 @@ std::unique_ptr<ArmMotion> make_mid_grasp_motion(const scenes::SceneConfig& scen
     const std::string& name = scene.arms.psm3.tool;
     if (robot::tool(name).kind != robot::ToolKind::kGrasper)
         throw std::invalid_argument("arms.PSM3.tool is " + name + ", expected a grasper for mid_grasp");
+    check_waypoints(scene.arms.psm3.waypoints, kScissorsArm);
     return std::make_unique<MidGrasp>(scene, start);
 }
 

@@ -11,7 +11,7 @@ std::unique_ptr<ArmMotion> make_waypoint_motion(const scenes::SceneConfig& scene
 std::unique_ptr<ArmMotion> make_pull_motion(const scenes::SceneConfig& scene, int arm,
                                             const MotionStart& start);
 
-/// The third arm takes the thread between the grips and lifts it.
+/// The third arm takes the thread between the grips, lifts it, and carries it through its way-points, if any.
 std::unique_ptr<ArmMotion> make_mid_grasp_motion(const scenes::SceneConfig& scene, const MotionStart& start);
 
 }  // namespace atropos::experiments

@@ -132,9 +132,16 @@ void SequenceWriter::write_tips(const Testbed& testbed) {
     if (testbed.scene().tracking.tips == scenes::TipSource::kNone) return;
     const bool exact = testbed.scene().tracking.tips == scenes::TipSource::kExact;
     for (const int end : {0, 1}) {
-        if (!testbed.world().holds(end)) continue;
-        const Vector3d p = 1e3 * (exact ? testbed.true_grip_C(end) : testbed.measured_grip_C(end));
-        tips_.write(fmt::format("{},{},held,{:.5f},{:.5f},{:.5f}\n", frame_, end, p.x(), p.y(), p.z()));
+        const bool knot = end == 0 && testbed.is_knotted();
+        if (!knot && !testbed.world().holds(end)) continue;
+        const bool fixed = knot && knot_C_;  // measured where PSM1 lets go of it, and by nobody later
+        const Vector3d p_C = fixed   ? *knot_C_
+                             : exact ? testbed.true_grip_C(end)
+                                     : testbed.measured_grip_C(end);
+        if (knot) knot_C_ = p_C;
+        const Vector3d p = 1e3 * p_C;
+        tips_.write(fmt::format("{},{},{},{:.5f},{:.5f},{:.5f}\n", frame_, end, fixed ? "fixed" : "held",
+                                p.x(), p.y(), p.z()));
     }
 }
 

@@ -49,6 +49,7 @@ class SequenceWriter {
     SequenceLayers layers_;
     std::unique_ptr<Rectifier> rectifier_;
     int frame_ = 0;
+    std::optional<Eigen::Vector3d> knot_C_;
     std::vector<double> frame_times_s_;
     AppendFile frames_, tips_, kinematics_, thread_, true_kinematics_;
 };

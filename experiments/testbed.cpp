@@ -7,7 +7,6 @@
 #include "robot/layout_defaults.hpp"
 #include "robot/tool.hpp"
 #include "scenes/scene_file.hpp"
-#include "sim/hanging_curve.hpp"
 #include "sim/knotted_curve.hpp"
 
 namespace atropos::experiments {
@@ -116,8 +115,10 @@ void Testbed::build_arms(const robot::Layout& layout) {
     const robot::LayoutDefaults defaults;
     const robot::Imperfection imperfection = robot::Imperfection::of(scene_.arms.accuracy);
     const scenes::ArmsConfig& keys = scene_.arms;
-    if (keys.psm1.holds != "start" || keys.psm2.holds != "end" || keys.psm3.holds != "nothing")
-        throw std::invalid_argument("arms: expected PSM1 to hold the start, PSM2 the end, PSM3 nothing");
+    if ((keys.psm1.holds != "start" && !is_knotted()) || keys.psm2.holds != "end" ||
+        keys.psm3.holds != "nothing")
+        throw std::invalid_argument(
+            "arms: expected PSM1 to hold the start or nothing, PSM2 the end, PSM3 nothing");
     MotionStart start;
     start.X_WG = defaults.X_WG();
     start.X_WC = X_WC_;
@@ -128,7 +129,7 @@ void Testbed::build_arms(const robot::Layout& layout) {
         X_WB_[index] = placement.X_WB;
         const bool holds = i != kScissorsArm;
         robot::Joints q;
-        double jaw = holds ? defaults.holder_jaw_rad : defaults.parked_jaw_rad;
+        double jaw = holds && !(i == 0 && is_knotted()) ? defaults.holder_jaw_rad : defaults.parked_jaw_rad;
         if (arm_config(scene_, i).motion == "replay") {
             replays[index] = load_replay(scene_, i, tree_);
             q = replays[index]->joints(0.0);
@@ -151,13 +152,17 @@ void Testbed::build_arms(const robot::Layout& layout) {
     }
 }
 
-scenes::Polyline Testbed::starting_curve() const {
-    // The true grips, not the commanded ones, say where the thread begins.
+/// Where the thread begins and ends, as the true grips say, not the commanded ones.
+std::array<sim::CurveEnd, 2> Testbed::starting_ends_W() const {
     std::array<sim::CurveEnd, 2> ends;
     for (size_t i = 0; i < 2; ++i) {
         const Isometry3d X_WG = X_WC_ * arms_[i]->truth().value.X_CT * arms_[i]->psm().tool().X_TG;
         ends[i] = {X_WG.translation(), X_WG.linear().col(1)};
     }
+    return ends;
+}
+
+scenes::Polyline Testbed::starting_curve(const std::array<sim::CurveEnd, 2>& ends) const {
     scenes::Polyline curve = scene_.thread.knot == scenes::ThreadKnot::kOverhand
                                  ? sim::knotted_curve(ends[0], ends[1], scene_.thread.length_m)
                                  : sim::hanging_curve(ends[0], ends[1], scene_.thread.length_m);
@@ -180,8 +185,12 @@ void Testbed::build_world() {
     place_instruments();
 
     const sim::ThreadOptions options = thread_options(scene_.thread);
-    world_->add_thread(starting_curve(), options);
-    world_->hold(0, kTail_m, Vector3d::UnitY());
+    const std::array<sim::CurveEnd, 2> ends_W = starting_ends_W();
+    world_->add_thread(starting_curve(ends_W), options);
+    if (is_knotted())
+        world_->anchor(kTail_m, ends_W[0].p_W, ends_W[0].tangent_W);  // like a stitch
+    else
+        world_->hold(0, kTail_m, Vector3d::UnitY());
     world_->hold(1, options.length_m - kTail_m, Vector3d::UnitY());
     world_->settle();
 }

@@ -13,6 +13,7 @@
 #include "robot/robot_arm.hpp"
 #include "scenes/scene_config.hpp"
 #include "scenes/stereo_rig.hpp"
+#include "sim/hanging_curve.hpp"
 #include "sim/world.hpp"
 
 namespace atropos::experiments {
@@ -58,6 +59,9 @@ class Testbed {
     /// exposure and eye delay; the first tick for times before it.
     Moment moment(double time_s) const;
 
+    /// Whether the thread's start is knotted to the tissue; else PSM1 holds it.
+    bool is_knotted() const { return scene_.arms.psm1.holds == "nothing"; }
+
     /// Measured grip point of a holding arm in C; the end that it holds is the same as its number.
     Eigen::Vector3d measured_grip_C(int arm) const;
     /// True grip point of a holding arm in C.
@@ -66,7 +70,8 @@ class Testbed {
   private:
     void build_arms(const robot::Layout& layout);
     robot::Joints starting_joints(int arm, const Eigen::Isometry3d& X_WF) const;
-    scenes::Polyline starting_curve() const;
+    std::array<sim::CurveEnd, 2> starting_ends_W() const;
+    scenes::Polyline starting_curve(const std::array<sim::CurveEnd, 2>& ends_W) const;
     void build_world();
     void place_instruments();
     Moment now() const;

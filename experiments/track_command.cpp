@@ -8,6 +8,7 @@
 #include "experiments/exit_status.hpp"
 #include "experiments/explain.hpp"
 #include "experiments/external_tracker.hpp"
+#include "experiments/knot_ends.hpp"
 #include "experiments/output_folder.hpp"
 #include "experiments/overlay.hpp"
 #include "experiments/picture_file.hpp"
@@ -95,10 +96,13 @@ int track(const TrackOptions& options) {
     const int frames = options.explain >= 0 ? options.explain + 1 : sequence.frames();
     ProgressMeter meter("track", frames, options.common.quiet);
     tracker::TrackerState before;
+    KnotEnds knots;
     for (int i = 0; i < frames; ++i) {
-        const tracker::StereoFrame frame = sequence.frame(i);
+        tracker::StereoFrame frame = sequence.frame(i);
+        knots.place(frame);
         before = tracker->state();
         const tracker::TrackResult& result = tracker->track(frame);
+        knots.learn(frame, result.estimate);
         writer.add(result);
         writer.add_state(tracker->state());
         writer.add_timings(tracker->timings());

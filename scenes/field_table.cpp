@@ -74,7 +74,9 @@ void visit_arm(FieldVisitor& v, std::string_view name, ArmConfig& c) {
                 "what moves the arm: PSM1 and PSM2 hold, manipulate, waypoints, replay or pull; PSM3 hold, "
                 "scissors, mid_grasp, waypoints or replay"},
                c.motion, {"hold", "manipulate", "scissors", "waypoints", "replay", "mid_grasp", "pull"});
-        v.text({"holds", "what its jaws hold at the start"}, c.holds, {"start", "end", "nothing"});
+        v.text({"holds",
+                "what its jaws hold at the start; PSM1 nothing: the thread is knotted to the tissue there"},
+               c.holds, {"start", "end", "nothing"});
         v.vector({"base_mm", "remote centre in W, aimed at the target; [0, 0, 0]: the layout's"}, c.base_m,
                  {-500.0, 500.0});
         v.path({"meshes",
@@ -97,13 +99,15 @@ void visit_arm(FieldVisitor& v, std::string_view name, ArmConfig& c) {
                 v.vector({"rotation_deg", "rotation vector"}, c.recording.rotation_rad, {-180.0, 180.0});
             });
         });
-        v.section({"waypoints", "motion: waypoints, from where the arm starts, in the camera's axes"}, [&] {
-            v.vectors({"offsets_mm", "way-points in order"}, c.waypoints.offsets_m, {-100.0, 100.0});
-            v.vectors({"turns_deg", "rotation vectors there, one an offset; none: no turns"},
-                      c.waypoints.turns_rad, {-170.0, 170.0});
-            v.number({"blend_mm", "radius of the rounded corners"}, c.waypoints.blend_m, {0.0, 50.0});
-            v.number({"speed_mm_s", "along the way"}, c.waypoints.speed_m_s, {0.1, 500.0});
-        });
+        v.section(
+            {"waypoints", "from where the arm starts or took the thread (mid_grasp), in the camera's axes"},
+            [&] {
+                v.vectors({"offsets_mm", "way-points in order"}, c.waypoints.offsets_m, {-100.0, 100.0});
+                v.vectors({"turns_deg", "rotation vectors there, one an offset; none: no turns"},
+                          c.waypoints.turns_rad, {-170.0, 170.0});
+                v.number({"blend_mm", "radius of the rounded corners"}, c.waypoints.blend_m, {0.0, 50.0});
+                v.number({"speed_mm_s", "along the way"}, c.waypoints.speed_m_s, {0.1, 500.0});
+            });
     });
 }
 

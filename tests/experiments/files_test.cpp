@@ -3,6 +3,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "experiments/csv_file.hpp"
+#include "experiments/knot_ends.hpp"
 #include "experiments/output_folder.hpp"
 #include "experiments/picture_file.hpp"
 #include "experiments/sequence.hpp"
@@ -154,6 +155,33 @@ TEST_F(SequenceTest, reads_times_and_ends) {
     ASSERT_TRUE(frame.tips[0] && frame.tips[1]);
     EXPECT_NEAR((frame.tips[1]->p_C - Eigen::Vector3d(0.003, 0.004, 0.110)).norm(), 0.0, 1e-15);
     EXPECT_EQ(frame.tips[1]->kind, tracker::MeasuredTip::Kind::kFixed);
+}
+
+TEST(KnotEnds, fix_an_end_where_the_curve_ended_when_it_was_last_held_not_where_it_was_measured) {
+    using Kind = tracker::MeasuredTip::Kind;
+    const Eigen::Vector3d measured(0.02, 0.0, 0.1), found(0.021, 0.001, 0.099), moved(0.0, 0.0, 0.1);
+    const auto frame_of = [&](Kind kind) {
+        tracker::StereoFrame frame;
+        frame.tips = {tracker::MeasuredTip{measured, kind}, tracker::MeasuredTip{moved, Kind::kHeld}};
+        return frame;
+    };
+    KnotEnds knots;
+    tracker::StereoFrame first = frame_of(Kind::kHeld), next = frame_of(Kind::kFixed);
+    knots.place(next);
+    EXPECT_EQ(next.tips[0]->p_C, measured) << "never held: as it was measured";
+    scenes::ThreadEstimate estimate;
+    estimate.samples.resize(2);
+    estimate.samples[0].p_C = found;
+    knots.place(first);
+    knots.learn(first, estimate);
+    knots.place(next);
+    EXPECT_EQ(next.tips[0]->p_C, found);
+    estimate.samples[0].p_C = moved;
+    knots.learn(next, estimate);
+    next = frame_of(Kind::kFixed);
+    knots.place(next);
+    EXPECT_EQ(next.tips[0]->p_C, found) << "later curves don't move it";
+    EXPECT_EQ(next.tips[1]->p_C, moved) << "held ends are as measured";
 }
 
 TEST_F(SequenceTest, refuses_what_is_not_whole_in_one_line) {

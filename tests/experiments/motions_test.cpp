@@ -246,6 +246,39 @@ TEST(MidGrasp, takes_the_thread_where_it_is_asked_to_and_lifts_it_with_arms_as_i
     }
 }
 
+TEST(MidGrasp, carries_the_thread_through_its_way_points) {
+    const scenes::SceneConfig config =
+        scene("third_arm.yaml", {"arms.accuracy=perfect", "arms.mid_grasp.at_s=0.1", "arms.PSM1.motion=hold",
+                                 "arms.PSM3.waypoints.speed_mm_s=15"});
+    Testbed field(config);
+    while (!field.world().holds(2) && field.time_s() < 8.0) field.tick();
+    ASSERT_TRUE(field.world().holds(2));
+    const Vector3d taken = true_grip_C(field, 2);
+    double farthest_m = 0.0;
+    for (int i = 0; i < 6000; ++i) {
+        field.tick();
+        farthest_m = std::max(farthest_m, (true_grip_C(field, 2) - taken).norm());
+    }
+    EXPECT_GT(farthest_m, config.arms.mid_grasp.lift_m + 5e-3);
+    EXPECT_TRUE(field.world().holds(0) && field.world().holds(1) && field.world().holds(2));
+    EXPECT_FALSE(first(field, EventKind::kCollision, "PSM3"));
+}
+
+TEST(TiedKnot, stays_where_the_arm_lets_go_of_it) {
+    Testbed field(scene("tied_knot.yaml"));
+    const Vector3d knot_W = field.X_WC() * true_grip_C(field, 0);
+    const auto off_m = [&] {
+        const sim::ThreadTruth thread = field.thread();
+        return (thread.sample(0, thread.span.s0_m) - knot_W).norm();
+    };
+    EXPECT_LT(off_m(), 2e-5);
+    EXPECT_FALSE(field.world().holds(0));
+    for (int i = 0; i < 3000; ++i) field.tick();
+    EXPECT_LT(off_m(), 2e-5);
+    EXPECT_TRUE(field.thread().span.intact);
+    EXPECT_GT((field.X_WC() * true_grip_C(field, 0) - knot_W).norm(), 0.02) << "PSM1 leaves";
+}
+
 TEST(KnotPull, draws_a_hanging_overhand_knot_tight_to_one_newton) {
     Testbed field(scene("knot_pull.yaml"));
     const Vector3d view(0.3, 1.0, 0.4);
