@@ -123,18 +123,19 @@ assert 60 < np.median(z) < 200, np.median(z)
         self.assertEqual(files_of(self.folder / "base/sequence_000000/truth"), {"thread.csv", "events.csv", "kinematics.csv"})
 
     def test_say_when_the_disk_is_full_and_keep_what_is_finished(self):
-        disk = self.folder / "disk"
-        disk.mkdir()
-        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1500k", "tmpfs", str(disk)], capture_output=True).returncode != 0:
-            self.skipTest("no file system can be mounted here")
-        try:
-            done = atropos("generate", self.folder / "tiny.yaml", "-o", disk / "data", "--quiet", "--count", 20)
-            self.assertOneLine(done, "No space left on device")
-            self.assertFalse((disk / "data").exists())
-            self.assertTrue((disk / "data.partial/sequence_000000/meta.json").exists())
-            self.assertEqual([p for p in (disk / "data.partial").iterdir() if p.suffix == ".partial"], [])
-        finally:
-            subprocess.run(["umount", str(disk)], check=True)
+        disk = self.mounted("size=1500k")
+        done = atropos("generate", self.folder / "tiny.yaml", "-o", disk / "data", "--quiet", "--count", 20)
+        self.assertOneLine(done, "No space left on device")
+        self.assertFalse((disk / "data").exists())
+        self.assertTrue((disk / "data.partial/sequence_000000/meta.json").exists())
+        self.assertEqual([p for p in (disk / "data.partial").iterdir() if p.suffix == ".partial"], [])
+
+    def test_say_when_nothing_can_be_written(self):
+        disk = self.mounted("ro")
+        for command in (["generate", self.folder / "tiny.yaml"], ["experiment", self.experiment], ["run", self.folder / "tiny.yaml"]):
+            self.assertOneLine(atropos(*command, "-o", disk / "out", "--quiet"), str(disk), "Read-only file system")
+        picture = atropos("render", self.folder / "tiny.yaml", "-o", disk / "still.png", "--quiet")
+        self.assertOneLine(picture, "still.png")
 
 
 if __name__ == "__main__":

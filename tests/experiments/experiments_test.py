@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The program from outside: batches of experiments. Usage: experiments_test.py PROGRAM [unittest arguments]. Standard library only."""
-import json, pathlib, time, unittest
+import json, pathlib, subprocess, time, unittest
 
 from program import Folder, atropos, files_of
 
@@ -54,6 +54,16 @@ class Experiments(Folder):
         failed = [p for p in self.folder.glob("out/jobs/*/result.json") if "took longer than 20 s" in p.read_text()]
         self.assertEqual(len(failed), 1)
         self.assertEqual([p for p in files_of(self.folder / "out") if p.endswith((".log", ".partial")) and "tracker.log" not in p], [])
+
+    def test_goes_on_where_a_full_disk_stopped_it(self):
+        disk = self.mounted("size=400k")
+        begin = ["experiment", self.experiment, "--quiet", "-o"]
+        self.assertOneLine(atropos(*begin, disk / "out"), "No space left on device")
+        self.assertFalse(any("result.json.partial" in name for name in files_of(disk)))
+        subprocess.run(["mount", "-o", "remount,size=50m", str(disk)], check=True)
+        atropos(*begin, disk / "out", "--resume", check=0)
+        atropos(*begin, self.folder / "undisturbed", check=0)
+        self.assertSameFolders(self.folder / "undisturbed", disk / "out")
 
     def test_judges_a_reprojected_track_against_the_spline_it_shows(self):
         self.experiment.write_text("scene: tiny.yaml\nset: {tracker: {tips: exact, method: e2}, camera.width_px: 640}\n"

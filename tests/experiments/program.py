@@ -37,13 +37,24 @@ class Folder(unittest.TestCase):
         self.experiment = self.folder / "tiny_experiment.yaml"
 
     def tearDown(self):
-        shutil.rmtree(self.folder)
+        if not os.path.ismount(self.folder / "disk"):
+            shutil.rmtree(self.folder)
 
     def assertSameFolders(self, a, b):
         self.assertEqual(files_of(a), files_of(b))
         for name in sorted(files_of(a)):
             if pathlib.Path(name).name != "timing.json":
                 self.assertTrue(filecmp.cmp(pathlib.Path(a) / name, pathlib.Path(b) / name, shallow=False), name)
+
+    def mounted(self, options):
+        """A small file system of its own, until the test ends."""
+        disk = self.folder / "disk"
+        disk.mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", str(disk)], capture_output=True).returncode != 0:
+            self.skipTest("no file system can be mounted here")
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)  # once it is unmounted
+        self.addCleanup(subprocess.run, ["umount", str(disk)], check=True)
+        return disk
 
     def assertOneLine(self, done, *words):
         self.assertEqual(done.returncode, 2, done.stderr)
