@@ -112,14 +112,25 @@ void CostImageMaker::begin(const cv::Mat& picture) {
             "an image that is neither 8-bit gray nor 8-bit BGR, expected one of them");
     if (picture.cols != cost_.width || picture.rows != cost_.height) make_room(picture.size());
     picture_ = picture;
+    forget_costs();
+    for (auto* tiles : {&mask_wanted_, &mask_done_}) std::fill(tiles->begin(), tiles->end(), std::uint8_t{0});
+}
+
+void CostImageMaker::forget_costs() {
     for_each_run([this](std::size_t i) { return cost_done_[i] != 0; },
                  [this](const Run& run) {
                      const cv::Rect region = pixels(run);
                      for (int y = region.y - 1; y < region.br().y; ++y)
                          std::fill_n(cost_.row(y) + region.x, region.width, CostImage::kFar);
                  });
-    for (auto* tiles : {&cost_wanted_, &cost_done_, &mask_wanted_, &mask_done_})
-        std::fill(tiles->begin(), tiles->end(), std::uint8_t{0});
+    for (auto* tiles : {&cost_wanted_, &cost_done_}) std::fill(tiles->begin(), tiles->end(), std::uint8_t{0});
+}
+
+void CostImageMaker::set_truncation(int truncation_px) {
+    truncation_px_ = truncation_px;
+    cost_.unit_px = static_cast<float>(truncation_px_) / 255.0f;
+    transform_.reserve(cost_.width, std::min(cost_.height, kTile_px + 2 * truncation_px_), truncation_px_);
+    forget_costs();
 }
 
 void CostImageMaker::want(const cv::Rect& region) {

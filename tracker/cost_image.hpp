@@ -43,6 +43,9 @@ class CostImageMaker {
     /// std::invalid_argument for other types of image.
     void begin(const cv::Mat& picture);
 
+    /// Another truncation for the same frame: ridges that were detected stay, costs are made anew.
+    void set_truncation(int truncation_px);
+
     /// Asks for the cost at these pixels and those next to them; the part outside the image is left out.
     void want(const cv::Rect& region);
 
@@ -69,6 +72,7 @@ class CostImageMaker {
     template <typename IsIn, typename Task>
     void for_each_run(IsIn&& is_in, Task&& task) const;
     void make_room(const cv::Size& size);
+    void forget_costs();
     cv::Rect pixels(const Run& run) const;
     cv::Rect tiles_of(const cv::Rect& region) const;
     void detect(const cv::Rect& region);

@@ -16,6 +16,7 @@ Block by_control_points(const std::array<double, 4>& weights, const Eigen::RowVe
     return J;
 }
 
+constexpr double kBehindCost = 1e6;  ///< of a point that is not before the camera
 constexpr double kFixedTipSigma_m = 0.00005;
 
 }  // namespace
@@ -61,27 +62,37 @@ std::optional<CurveRefinement::LineTerm> CurveRefinement::line_term(const LineMe
     return term;
 }
 
-double CurveRefinement::add_lines(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
-                                  bool normal_equations) {
-    double cost = 0.0;
-    const double c2 = problem.robust_px * problem.robust_px;
+// Calls visit(line, sample, term) for every line that was seen; the number of those that have no term.
+template <typename Visit>
+int CurveRefinement::for_each_seen(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                                   Visit&& visit) const {
+    int behind = 0;
     for (std::size_t eye = 0; eye < 2; ++eye)
         for (std::size_t j = 0; j < samples_.size(); ++j) {
             const LineMeasurement& line = problem.lines[eye][j];
             if (line.kind != LineMeasurement::Kind::kSeen) continue;
-            const std::optional<LineTerm> term = line_term(line, eye, j, Q);
-            if (!term) {
-                cost += 1e6;
-                continue;
-            }
-            const double r2 = term->r_px * term->r_px;
+            if (const std::optional<LineTerm> term = line_term(line, eye, j, Q))
+                visit(line, samples_[j], *term);
+            else
+                ++behind;
+        }
+    return behind;
+}
+
+double CurveRefinement::add_lines(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                                  bool normal_equations) {
+    double cost = 0.0;
+    const double c2 = problem.robust_px * problem.robust_px;
+    const int behind = for_each_seen(
+        problem, Q, [&](const LineMeasurement& line, const CubicBasisValues& sample, const LineTerm& term) {
+            const double r2 = term.r_px * term.r_px;
             const double inverse_variance = 1.0 / (line.sigma_px * line.sigma_px);
             cost += 0.5 * c2 * inverse_variance * std::log1p(r2 / c2);
             if (normal_equations)
-                system_.add(samples_[j].first, by_control_points(samples_[j].value, term->by_point), 0.0,
-                            term->r_px, inverse_variance / (1.0 + r2 / c2));
-        }
-    return cost;
+                system_.add(sample.first, by_control_points(sample.value, term.by_point), 0.0, term.r_px,
+                            inverse_variance / (1.0 + r2 / c2));
+        });
+    return cost + kBehindCost * behind;
 }
 
 // N = H^-1 (sum of w J^T J) H^-1 at the control point: of the error H^-1 sum of w J^T r.
@@ -89,18 +100,13 @@ Eigen::Matrix3d CurveRefinement::noise_part(const CurveProblem& problem, const E
                                             const Eigen::MatrixXd& covariance, int k) const {
     Eigen::Matrix3d part = Eigen::Matrix3d::Zero();
     const double c2 = problem.robust_px * problem.robust_px;
-    for (std::size_t eye = 0; eye < 2; ++eye)
-        for (std::size_t j = 0; j < samples_.size(); ++j) {
-            const LineMeasurement& line = problem.lines[eye][j];
-            if (line.kind != LineMeasurement::Kind::kSeen) continue;
-            const std::optional<LineTerm> term = line_term(line, eye, j, Q);
-            if (!term) continue;
-            const Eigen::Vector3d moved = covariance.block<3, 12>(3 * k, 3 * samples_[j].first) *
-                                          by_control_points(samples_[j].value, term->by_point);
-            const double weight =
-                1.0 / (line.sigma_px * line.sigma_px * (1.0 + term->r_px * term->r_px / c2));
+    for_each_seen(
+        problem, Q, [&](const LineMeasurement& line, const CubicBasisValues& sample, const LineTerm& term) {
+            const Eigen::Vector3d moved = covariance.block<3, 12>(3 * k, 3 * sample.first) *
+                                          by_control_points(sample.value, term.by_point);
+            const double weight = 1.0 / (line.sigma_px * line.sigma_px * (1.0 + term.r_px * term.r_px / c2));
             part += weight * moved * moved.transpose();
-        }
+        });
     return part;
 }
 

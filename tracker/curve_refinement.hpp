@@ -96,6 +96,8 @@ class CurveRefinement {
     };
     std::optional<LineTerm> line_term(const LineMeasurement& line, std::size_t eye, std::size_t sample,
                                       const Eigen::Matrix3Xd& Q) const;
+    template <typename Visit>
+    int for_each_seen(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, Visit&& visit) const;
     double accumulate(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
                       bool normal_equations);
     double add_lines(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, bool normal_equations);

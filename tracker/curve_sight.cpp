@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kBehind_m = 0.003;
 constexpr double kLeastSigma_px =
-    0.018;                           ///< texture under the thread, lens model: what noise does not explain
+    0.015;                           ///< texture under the thread, lens model: what noise does not explain
 constexpr double kUsualNoise = 1.5;  ///< of a profile's noise over the middle one
 
 constexpr double kSignificance = 3.5;  ///< sigmas of contrast that make a bar

@@ -201,10 +201,15 @@ NurbsCurve fit_curve(const scenes::Polyline& points, const CurveFitOptions& opti
         for (int j = 0; j < table.derivative.rows(); ++j) {
             const Eigen::Vector3d speed = (table.derivative.row(j) * Q).transpose();
             const double norm = std::max(speed.norm(), 1e-12);
-            Eigen::VectorXd J(unknowns);
-            for (int a = 0; a < K - 2; ++a) J.segment<3>(3 * a) = table.derivative(j, a + 1) * speed / norm;
-            H += length_weight * J * J.transpose();
-            g += length_weight * (norm - length) * J;
+            // Of the inner control points only those that move the curve here.
+            const int span = basis.span(table.u[static_cast<std::size_t>(j)]);
+            const int first = std::max(span - options.degree, 1) - 1, last = std::min(span, K - 2) - 1;
+            const int count = 3 * (last - first + 1);
+            Eigen::VectorXd J(count);
+            for (int a = first; a <= last; ++a)
+                J.segment<3>(3 * (a - first)) = table.derivative(j, a + 1) * speed / norm;
+            H.block(3 * first, 3 * first, count, count) += length_weight * J * J.transpose();
+            g.segment(3 * first, count) += length_weight * (norm - length) * J;
         }
         const Eigen::VectorXd step = H.ldlt().solve(-g);
         for (int a = 0; a < K - 2; ++a) Q.row(a + 1) += step.segment<3>(3 * a).transpose();

@@ -1,7 +1,16 @@
 #include "tracker/recovery.hpp"
 
+#include <opencv2/imgproc.hpp>
+
+#include "tracker/thread_initialiser.hpp"
+
 namespace atropos::tracker {
 namespace {
+
+constexpr int kMostWidth_px = 960;     ///< of the pictures searched: larger ones are made smaller
+constexpr double kSpacing_m = 0.0012;  ///< of the labels
+constexpr int kSamples = 30;           ///< along the curve: what is found is to be refined
+constexpr std::size_t kLevels = 4;     ///< of five
 
 /// Seven control points or eight are few enough for pairs of labels to move every part of the curve.
 scenes::TrackerConfig search_config(scenes::TrackerConfig config) {
@@ -11,32 +20,62 @@ scenes::TrackerConfig search_config(scenes::TrackerConfig config) {
     config.thread.length_is_known = config.thread.length_m > 0.0;
     config.curve.control_points = 8;
     config.curve.degree = 3;
+    config.curve.samples = kSamples;
     config.labels.shape = scenes::LabelShape::kRays;
     config.labels.preset = scenes::LabelPreset::kCustom;
+    config.labels.r = 2;
+    config.labels.s_m = kSpacing_m;
     config.lambda1_e2 = 100.0;
     return config;
 }
 
 }  // namespace
 
-Recovery::Recovery(scenes::TrackerConfig config, const scenes::StereoRig& rig)
-    : degree_(3), control_points_(8), search_(search_config(config), rig) {}
+double shrinkage(const scenes::StereoRig& rig) {
+    return rig.left.width_px > kMostWidth_px ? 640.0 / rig.left.width_px : 1.0;
+}
+
+Recovery::Recovery(const scenes::TrackerConfig& config, const scenes::StereoRig& rig)
+    : config_(search_config(config)),
+      shrinkage_(shrinkage(rig)),
+      rig_(rig.scaled(shrinkage_)),
+      search_(config_, rig_),
+      pool_(config_.threads) {}
+
+// The frame as it is searched; it shares what it can with `frame`.
+const StereoFrame& Recovery::small(const StereoFrame& frame) {
+    small_.index = frame.index;
+    small_.capture_time_s = frame.capture_time_s;
+    small_.tips = frame.tips;
+    small_.left = frame.left;
+    small_.right = frame.right;
+    if (shrinkage_ < 1.0) {
+        const cv::Size size(rig_.left.width_px, rig_.left.height_px);
+        cv::resize(frame.left, shrunk_[0], size, 0.0, 0.0, cv::INTER_AREA);
+        cv::resize(frame.right, shrunk_[1], size, 0.0, 0.0, cv::INTER_AREA);
+        small_.left = shrunk_[0];
+        small_.right = shrunk_[1];
+    }
+    return small_;
+}
 
 std::optional<NurbsCurve> Recovery::near(const StereoFrame& frame, const NurbsCurve& curve) {
-    const CurveFitOptions fit{.degree = degree_, .control_points = control_points_, .length_weight = 0.1};
-    return curve_of(search_.start(frame, fit_curve(sampled(curve, 100), fit)));
+    const CurveFitOptions fit{
+        .degree = config_.curve.degree, .control_points = config_.curve.control_points, .length_weight = 0.1};
+    return curve_of(search_.start(small(frame), fit_curve(sampled(curve, 100), fit)).control_points);
 }
 
 std::optional<NurbsCurve> Recovery::between_tips(const StereoFrame& frame) {
-    search_.restore(TrackerState{});
-    return curve_of(search_.track(frame));
+    const auto found = initial_curve_between_tips(config_, rig_, small(frame), pool_, kLevels);
+    if (!found) return std::nullopt;
+    return curve_of(*found);
 }
 
-std::optional<NurbsCurve> Recovery::curve_of(const TrackResult& result) const {
-    if (result.control_points.empty()) return std::nullopt;
-    for (const Eigen::Vector3d& q : result.control_points)
+std::optional<NurbsCurve> Recovery::curve_of(const std::vector<Eigen::Vector3d>& control_points) const {
+    if (control_points.empty()) return std::nullopt;
+    for (const Eigen::Vector3d& q : control_points)
         if (!q.allFinite()) return std::nullopt;
-    return NurbsCurve(degree_, result.control_points);
+    return NurbsCurve(config_.curve.degree, control_points);
 }
 
 }  // namespace atropos::tracker

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <optional>
+#include <vector>
 
 #include "tracker/stereo_tracker.hpp"
 #include "tracker/thread_tracker.hpp"
@@ -9,23 +11,28 @@ namespace atropos::tracker {
 
 /// Finds a curve again by discrete search, where continuous refinement has no gradient to follow: the paper's
 /// E2 (eq. 15-18) with exact dynamic programming and labels along the viewing rays, longer in depth. Coarse:
-/// what it returns is to be refined.
+/// what it returns is to be refined. Large pictures are searched at 640 px.
 class Recovery {
   public:
-    Recovery(scenes::TrackerConfig config, const scenes::StereoRig& rig);
+    Recovery(const scenes::TrackerConfig& config, const scenes::StereoRig& rig);
 
-    /// In the neighbourhood of a curve; `length_m` is the thread's.
+    /// In the neighbourhood of a curve.
     std::optional<NurbsCurve> near(const StereoFrame& frame, const NurbsCurve& curve);
 
     /// Anywhere between two measured ends (III); nothing when an end is unknown or no thread is seen.
     std::optional<NurbsCurve> between_tips(const StereoFrame& frame);
 
   private:
-    std::optional<NurbsCurve> curve_of(const TrackResult& result) const;
+    const StereoFrame& small(const StereoFrame& frame);
+    std::optional<NurbsCurve> curve_of(const std::vector<Eigen::Vector3d>& control_points) const;
 
-    int degree_;
-    int control_points_;
+    scenes::TrackerConfig config_;
+    double shrinkage_;       ///< of the pictures that are searched
+    scenes::StereoRig rig_;  ///< of those
     ThreadTracker search_;
+    scenes::WorkerPool pool_;
+    StereoFrame small_;
+    std::array<cv::Mat, 2> shrunk_;
 };
 
 }  // namespace atropos::tracker

@@ -13,6 +13,8 @@ constexpr double kVelocityDamping = 0.5;
 constexpr double kLeastSearch_px = 3.0;     ///< about a prediction that is right; at 640
 constexpr double kSearchPerSurprise = 2.0;  ///< more of it for each px that predictions were off by lately
 constexpr double kSurpriseKept = 0.7;       ///< from one frame to the next
+constexpr int kRetryFrames = 4;             ///< between searches for a thread that is not seen
+constexpr double kMostlySeen = 0.6;         ///< support of a curve that is right but for a stretch
 constexpr double kLeastEndOff_m = 0.004;    ///< no end is lost that is nearer to where it was measured
 
 double elapsed_ms(std::chrono::steady_clock::time_point since) {
@@ -192,18 +194,21 @@ void RefinedTracker::try_fit(const StereoFrame& frame, const NurbsCurve& curve, 
         std::swap(problem_, chosen_problem_);
 }
 
-// First about the prediction, then about the last curve, and after some blind frames between the measured
-// ends.
+// About the prediction, and between the measured ends; searched again only after some frames, since what did
+// not find the thread in one frame hardly finds it in the next.
 void RefinedTracker::recover(const StereoFrame& frame) {
     const auto began = std::chrono::steady_clock::now();
     const Eigen::Matrix3Xd expected = problem_.expected;
-    if (const auto found = recovery_.near(frame, curve_of(expected))) try_fit(frame, *found, fit_);
-    if (is_lost(fit_.quality, loss_test_) && frames_unseen_ % 5 == 4)
+    const int turn = frames_unseen_ % (2 * kRetryFrames);
+    if (turn == 0 && (frames_unseen_ > 0 || fit_.quality.support < kMostlySeen))
+        if (const auto found = recovery_.near(frame, curve_of(expected))) try_fit(frame, *found, fit_);
+    if (turn == kRetryFrames)
         if (const auto found = recovery_.between_tips(frame)) try_fit(frame, *found, fit_);
     timings_.optimiser_ms = elapsed_ms(began);
 }
 
 bool RefinedTracker::start_from_tips(const StereoFrame& frame) {
+    if (frames_unseen_ % kRetryFrames != 0) return false;
     const auto found = recovery_.between_tips(frame);
     if (!found) return false;
     begin(*found);
@@ -220,7 +225,6 @@ void RefinedTracker::conclude(const StereoFrame& frame) {
     ends_.remember(frame);
     capture_time_s_ = frame.capture_time_s;
     if (frames_unseen_ > config_.refined.coasting_frames) {
-        started_ = false;
         lost(frame);
         return;
     }
@@ -252,6 +256,7 @@ void RefinedTracker::fill_estimate(const StereoFrame& frame) {
 const TrackResult& RefinedTracker::lost(const StereoFrame& frame) {
     status_ = scenes::TrackStatus::kLost;
     started_ = false;
+    ++frames_unseen_;
     result_.frame = frame.index;
     result_.estimate.capture_time_s = frame.capture_time_s;
     result_.estimate.status = status_;

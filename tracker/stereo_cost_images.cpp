@@ -12,6 +12,10 @@ void StereoCostImages::begin(const StereoFrame& frame) {
     makers_[1].begin(frame.right);
 }
 
+void StereoCostImages::set_truncation(int truncation_px) {
+    for (CostImageMaker& maker : makers_) maker.set_truncation(truncation_px);
+}
+
 void StereoCostImages::compute(scenes::WorkerPool& pool) {
     pool.run(2, [&](int eye) { makers_[static_cast<std::size_t>(eye)].compute(); });
 }

@@ -17,6 +17,7 @@ class StereoCostImages {
 
     /// A new frame, of which nothing is known until it is asked for (CostImageMaker).
     void begin(const StereoFrame& frame);
+    void set_truncation(int truncation_px);
     void want(int eye, const cv::Rect& region) { makers_[static_cast<std::size_t>(eye)].want(region); }
     void compute(scenes::WorkerPool& pool);
 

@@ -61,6 +61,132 @@ std::vector<Eigen::Vector3d> bulge(const CurveSampling& sampling, const std::vec
     return curve;
 }
 
+/// Coarse to fine in one frame: costs are made only where labels can move the curve, ridges detected once.
+class Descent {
+  public:
+    Descent(const scenes::TrackerConfig& config, const scenes::StereoRig& rig, const StereoFrame& frame,
+            std::size_t levels, scenes::WorkerPool& pool)
+        : config_(config),
+          rig_(rig),
+          frame_(frame),
+          pool_(pool),
+          levels_(std::min(levels, std::size(kLevels))),
+          depth_m_(0.5 * (frame.tips[0]->p_C.z() + frame.tips[1]->p_C.z())),
+          px_scale_(kReferenceWidth_px / rig.left.width_px),
+          eyes_(make_eyes(rig)),
+          sampling_(config.curve.degree, config.curve.control_points, config.curve.samples),
+          search_(scenes::TrackerMethod::kE2, config.optimiser, along_rays(config.labels),
+                  config.curve.control_points),
+          images_(config, ridge_scales_px(config, 1.0 / rig.m_per_px(depth_m_)), 1),
+          speed_m_(static_cast<std::size_t>(config.curve.samples)),
+          labelling_(static_cast<std::size_t>(config.curve.control_points)) {
+        images_.begin(frame);
+    }
+
+    /// From the level `first` down; the share of the curve that is seen in the end.
+    double run(std::vector<Eigen::Vector3d>& curve, std::size_t first) {
+        double seen = 0.0;
+        for (std::size_t l = first; l < levels_; ++l) {
+            const Level& level = kLevels[l];
+            truncate(level.truncation_px);
+            int unmoved = 0;
+            // Unmoved by the labels of both spacings, it stays where it is.
+            for (int iteration = 0; iteration < level.iterations && unmoved < 2; ++iteration) {
+                // Of unknown length: whatever it is now, at even speed.
+                const double wanted_m =
+                    config_.thread.length_m > 0.0 ? config_.thread.length_m : length_m(sampling_, curve);
+                std::fill(speed_m_.begin(), speed_m_.end(), std::max(wanted_m, 1e-6));
+                const double s_m =
+                    level.spacing_px / px_scale_ * rig_.m_per_px(depth_m_) / (1 + iteration % 2);
+                search_.place_labels(curve, s_m, eyes_);
+                for (std::size_t eye = 0; eye < 2; ++eye)
+                    for (int j = 0; j < sampling_.samples(); ++j)
+                        images_.want(static_cast<int>(eye), search_.reach(context(), eye, curve, j));
+                images_.compute(pool_);
+                search_.minimise(context(), pool_, curve, labelling_, timings_);
+                const bool moved =
+                    std::any_of(labelling_.begin(), labelling_.end(), [](int label) { return label != 0; });
+                unmoved = moved ? 0 : unmoved + 1;
+            }
+            seen = support(context(), curve, kSupport_px);
+        }
+        return seen;
+    }
+
+    /// A slack thread bulges to some side by an amount that its length tells: the side that is seen best.
+    std::vector<Eigen::Vector3d> best_bulge(const std::vector<Eigen::Vector3d>& line) {
+        truncate(kBulgeTruncation_px);
+        std::fill(speed_m_.begin(), speed_m_.end(), config_.thread.length_m);
+        const Eigen::Vector3d along = (line.back() - line.front()).normalized(),
+                              across = along.unitOrthogonal();
+        std::vector<std::vector<Eigen::Vector3d>> candidates;
+        for (int i = 0; i < kBulgeAngles; ++i)
+            for (const auto sag : {free_sag, held_sag}) {
+                const double angle = 2.0 * std::numbers::pi * i / kBulgeAngles;
+                const Eigen::Vector3d direction = Eigen::AngleAxisd(angle, along) * across;
+                candidates.push_back(bulge(sampling_, line, direction, sag, config_.thread.length_m));
+                want_along(candidates.back());
+            }
+        images_.compute(pool_);
+        double least = std::numeric_limits<double>::infinity();
+        std::vector<Eigen::Vector3d> best;
+        for (std::vector<Eigen::Vector3d>& candidate : candidates) {
+            const double data = energy(context(), candidate).data;
+            if (data >= least) continue;
+            least = data;
+            best = std::move(candidate);
+        }
+        return best;
+    }
+
+  private:
+    static scenes::TrackerConfig::Labels along_rays(scenes::TrackerConfig::Labels labels) {
+        labels.shape = scenes::LabelShape::kRays;
+        return labels;
+    }
+
+    EnergyContext context() const {
+        return {sampling_,
+                eyes_,
+                images_.costs(),
+                speed_m_,
+                frame_.tips,
+                {.px_scale = px_scale_,
+                 .length = config_.lambda1_e2,
+                 .tip_epsilon_m = config_.tips.epsilon_m,
+                 .tip_per_m = config_.tips.weight_per_m}};
+    }
+
+    void truncate(double at_640_px) {
+        images_.set_truncation(
+            std::clamp(static_cast<int>(at_640_px / px_scale_), 1, DistanceTransform::kMaxTruncation));
+    }
+
+    void want_along(std::span<const Eigen::Vector3d> curve) {
+        for (std::size_t eye = 0; eye < 2; ++eye)
+            for (int j = 0; j < sampling_.samples(); ++j) {
+                const Eigen::Vector2d px =
+                    eyes_[eye].pixel(context().seen(eye, curve, j)).cwiseMax(-1e6).cwiseMin(1e6);
+                images_.want(static_cast<int>(eye), {static_cast<int>(std::floor(px.x())) - 1,
+                                                     static_cast<int>(std::floor(px.y())) - 1, 4, 4});
+            }
+    }
+
+    const scenes::TrackerConfig& config_;
+    const scenes::StereoRig& rig_;
+    const StereoFrame& frame_;
+    scenes::WorkerPool& pool_;
+    std::size_t levels_;
+    double depth_m_, px_scale_;
+    std::array<Eye, 2> eyes_;
+    CurveSampling sampling_;
+    DiscreteSearch search_;
+    StereoCostImages images_;
+    std::vector<double> speed_m_;
+    std::vector<int> labelling_;
+    StageTimings timings_;
+};
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> straight_line(int degree, int control_points, const Eigen::Vector3d& from,
@@ -78,85 +204,19 @@ std::vector<Eigen::Vector3d> straight_line(int degree, int control_points, const
 std::optional<std::vector<Eigen::Vector3d>> initial_curve_between_tips(const scenes::TrackerConfig& config,
                                                                        const scenes::StereoRig& rig,
                                                                        const StereoFrame& frame,
-                                                                       scenes::WorkerPool& pool) {
+                                                                       scenes::WorkerPool& pool,
+                                                                       std::size_t levels) {
     if (!frame.tips[0] || !frame.tips[1]) return std::nullopt;
     const Eigen::Vector3d& from = frame.tips[0]->p_C;
     const Eigen::Vector3d& to = frame.tips[1]->p_C;
-    const int K = config.curve.control_points;
-    const double depth_m = 0.5 * (from.z() + to.z());
-    const double px_scale = kReferenceWidth_px / rig.left.width_px;
-    const std::array<Eye, 2> eyes = make_eyes(rig);
-    const CurveSampling sampling(config.curve.degree, K, config.curve.samples);
-    const std::vector<double> sigmas_px = ridge_scales_px(config, 1.0 / rig.m_per_px(depth_m));
-    scenes::TrackerConfig::Labels labels = config.labels;
-    labels.shape = scenes::LabelShape::kRays;
-    DiscreteSearch search(scenes::TrackerMethod::kE2, config.optimiser, labels, K);
-
-    std::vector<double> speed_m(static_cast<std::size_t>(config.curve.samples));
-    std::vector<int> labelling(static_cast<std::size_t>(K));
-    StageTimings timings;
-    const auto context = [&](const StereoCostImages& images) {
-        return EnergyContext{sampling,
-                             eyes,
-                             images.costs(),
-                             speed_m,
-                             frame.tips,
-                             {.px_scale = px_scale,
-                              .length = config.lambda1_e2,
-                              .tip_epsilon_m = config.tips.epsilon_m,
-                              .tip_per_m = config.tips.weight_per_m}};
-    };
-    const auto make_images = [&](double truncation_at_640_px) {
-        const int truncation_px = std::clamp(static_cast<int>(truncation_at_640_px / px_scale), 1,
-                                             DistanceTransform::kMaxTruncation);
-        StereoCostImages images(config, sigmas_px, truncation_px);
-        images.make(frame, pool);
-        return images;
-    };
-
-    // Coarse to fine from `curve`; the share of it that is seen in the end.
-    const auto descend = [&](std::vector<Eigen::Vector3d>& curve, std::size_t first_level) {
-        double seen = 0.0;
-        for (std::size_t l = first_level; l < std::size(kLevels); ++l) {
-            const Level& level = kLevels[l];
-            const StereoCostImages images = make_images(level.truncation_px);
-            for (int iteration = 0; iteration < level.iterations; ++iteration) {
-                // Of unknown length: whatever it is now, at even speed.
-                const double wanted_m =
-                    config.thread.length_m > 0.0 ? config.thread.length_m : length_m(sampling, curve);
-                std::fill(speed_m.begin(), speed_m.end(), std::max(wanted_m, 1e-6));
-                const EnergyContext now = context(images);
-                const double s_m = level.spacing_px / px_scale * rig.m_per_px(depth_m) / (1 + iteration % 2);
-                search.place_labels(curve, s_m, eyes);
-                search.minimise(now, pool, curve, labelling, timings);
-                seen = support(now, curve, kSupport_px);
-            }
-        }
-        return seen;
-    };
-
-    const std::vector<Eigen::Vector3d> line = straight_line(config.curve.degree, K, from, to);
+    Descent descent(config, rig, frame, levels, pool);
+    const std::vector<Eigen::Vector3d> line =
+        straight_line(config.curve.degree, config.curve.control_points, from, to);
     std::vector<Eigen::Vector3d> best = line;
-    double best_seen = descend(best, 0);
+    double best_seen = descent.run(best, 0);
     if (config.thread.length_m > (to - from).norm()) {
-        // A slack thread bulges to some side by an amount that its length tells: the side is looked for.
-        const StereoCostImages images = make_images(kBulgeTruncation_px);
-        std::fill(speed_m.begin(), speed_m.end(), config.thread.length_m);
-        const Eigen::Vector3d along = (to - from).normalized(), across = along.unitOrthogonal();
-        double least = std::numeric_limits<double>::infinity();
-        std::vector<Eigen::Vector3d> bulged;
-        for (int i = 0; i < kBulgeAngles; ++i)
-            for (const auto sag : {free_sag, held_sag}) {
-                const double angle = 2.0 * std::numbers::pi * i / kBulgeAngles;
-                const Eigen::Vector3d direction = Eigen::AngleAxisd(angle, along) * across;
-                std::vector<Eigen::Vector3d> candidate =
-                    bulge(sampling, line, direction, sag, config.thread.length_m);
-                const double data = energy(context(images), candidate).data;
-                if (data >= least) continue;
-                least = data;
-                bulged = std::move(candidate);
-            }
-        const double seen = bulged.empty() ? 0.0 : descend(bulged, kBulgeFirstLevel);
+        std::vector<Eigen::Vector3d> bulged = descent.best_bulge(line);
+        const double seen = bulged.empty() ? 0.0 : descent.run(bulged, kBulgeFirstLevel);
         if (seen > best_seen) {
             best_seen = seen;
             best = std::move(bulged);
