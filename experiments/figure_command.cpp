@@ -182,11 +182,13 @@ cv::Mat cutting(const scenes::SceneConfig& scene, bool quiet) {
     loop.run([&](const LoopFrame& frame) {
         if (frame.tracked) estimate = frame.tracked->estimate;
         if (loop.testbed().time_s() < scene.cut.at_s) return;
+        const robot::ScissorsState state = frame.command.state;
+        const bool whole = state != robot::ScissorsState::kRetract && state != robot::ScissorsState::kDone;
         const Overlay overlay{
-            &estimate,
+            whole ? &estimate : nullptr,  // of two pieces a tracker of one thread shows nothing
             {},
             nullptr,
-            fmt::format("{:.2f} s  {}", loop.testbed().time_s(), robot::to_string(frame.command.state))};
+            fmt::format("{:.2f} s  {}", loop.testbed().time_s(), robot::to_string(state))};
         pictures.push_back(draw_overlay(frame.view.left, loop.testbed().rig(), 0, overlay));
     });
     if (!quiet) fmt::print(stderr, "{} frames, {}\n", pictures.size(), loop.status().reason);
