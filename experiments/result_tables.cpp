@@ -108,7 +108,9 @@ std::string place_text(const ordered_json& manifest, const CellStatistics& cell,
                        : cell.seeds > 0        ? "lost"
                                                : "failed";
     if (const auto theirs = published(manifest, cell.levels, metric))
-        text += fmt::format(" (paper {} {} {})", theirs->first, plus_minus, theirs->second);
+        text += theirs->second > 0.0
+                    ? fmt::format(" (paper {} {} {})", theirs->first, plus_minus, theirs->second)
+                    : fmt::format(" (paper {})", theirs->first);
     if (cell.lost_frames > 0) text += fmt::format(", {} lost", cell.lost_frames);
     if (cell.failed_jobs > 0) text += fmt::format(", {} jobs failed", cell.failed_jobs);
     return text;
@@ -120,10 +122,11 @@ std::string counts(const ExperimentResults& results, const std::vector<CellStati
         least = least < 0 ? cell.frames : std::min(least, cell.frames);
         most = std::max(most, cell.frames);
     }
+    const int seeds = results.manifest["seeds"].get<int>();
     std::string text =
-        fmt::format("Mean and standard deviation over {} frames a cell, {} seeds",
-                    least == most ? std::to_string(most) : fmt::format("{} to {}", least, most),
-                    results.manifest["seeds"].get<int>());
+        fmt::format("Mean and standard deviation over {} frames a cell, {} seed{}",
+                    least == most ? std::to_string(most) : fmt::format("{} to {}", least, most), seeds,
+                    seeds == 1 ? "" : "s");
     if (const std::size_t missing = results.missing(); missing > 0)
         text +=
             fmt::format("; unfinished: {} of {} jobs are missing", missing, results.manifest["jobs"].size());
