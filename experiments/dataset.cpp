@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "experiments/json_file.hpp"
 #include "experiments/sha256.hpp"
 #include "experiments/version.hpp"
 #include "scenes/file_error.hpp"
@@ -16,12 +17,8 @@ using nlohmann::ordered_json;
 using scenes::FileError;
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
-
 ordered_json read_manifest(const fs::path& file) {
-    const ordered_json json = ordered_json::parse(scenes::read_text_file(file, kMaxBytes), nullptr, false);
-    if (!json.is_object())
-        throw FileError(file.string(), "no JSON object, expected the file as it was written");
+    const ordered_json json = read_json_object(file);
     if (!json.contains("complete") || json["complete"] != true)
         throw FileError(file.string(), "not marked complete, expected a finished folder");
     return json;

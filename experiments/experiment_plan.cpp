@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "experiments/experiment_factors.hpp"
 #include "experiments/metrics.hpp"
-#include "experiments/sha256.hpp"
 #include "scenes/file_error.hpp"
 #include "scenes/scene_file.hpp"
 #include "scenes/text_file.hpp"
@@ -21,68 +21,37 @@ using scenes::YamlDocument;
 namespace {
 
 constexpr std::size_t kMaxBytes = 1 << 20;
-constexpr std::size_t kMaxCells = 1'000'000;
-
-/// What a level of a factor changes.
-struct Settings {
-    std::vector<std::string> overrides;  ///< key.path=value
-    int accel = 0;                       ///< 0: not said
-    std::vector<std::pair<std::string, double>> degradation;
-    std::string protocol;  ///< P, S, or empty: not said
-    std::string command;
-};
-
-struct Level {
-    std::string name;
-    Settings settings;
-};
-
-struct Factor {
-    std::string name;
-    std::vector<Level> levels;
-};
-
-/// One of the list's alternatives: levels of one or more factors at once.
-struct Alternative {
-    std::vector<std::pair<std::string, std::string>> levels;
-    Settings settings;
-};
-
-void append(Settings& to, const Settings& more) {
-    to.overrides.insert(to.overrides.end(), more.overrides.begin(), more.overrides.end());
-    if (more.accel > 0) to.accel = more.accel;
-    if (!more.command.empty()) to.command = more.command;
-    if (!more.protocol.empty()) to.protocol = more.protocol;
-    to.degradation.insert(to.degradation.end(), more.degradation.begin(), more.degradation.end());
-}
 
 class Reader {
   public:
     Reader(const fs::path& file, const std::vector<std::string>& overrides)
-        : file_(file), document_(YamlDocument::load(file, kMaxBytes)), overrides_(overrides) {}
+        : document_(YamlDocument::load(file, kMaxBytes)) {
+        factors_.file = file;
+        factors_.overrides = overrides;
+    }
 
     ExperimentPlan read() {
         const YAML::Node& root = document_.root;
         if (!root.IsMap()) fail(root, "expected `key: value` lines");
         refuse_unknown(root, {"name", "title", "scene", "job", "set", "grid", "list", "trackers", "seeds",
                               "timeout_s", "table", "published"});
-        plan_.name = root["name"] ? word(root["name"]) : file_.stem().string();
+        plan_.name = root["name"] ? word(root["name"]) : factors_.file.stem().string();
         plan_.title = root["title"] ? word(root["title"]) : plan_.name;
         if (!root["scene"]) fail(root, "no key 'scene', expected the base scene's file");
-        scene_file_ = scenes::resolve_path(file_.parent_path(), word(root["scene"]));
-        if (!fs::exists(scene_file_))
+        factors_.scene_file = scenes::resolve_path(factors_.file.parent_path(), word(root["scene"]));
+        if (!fs::exists(factors_.scene_file))
             fail(root["scene"], "scene: no file " + scenes::shown(word(root["scene"])));
         const std::string job = root["job"] ? word(root["job"]) : "track";
         if (job != "track" && job != "run")
             fail(root["job"], "job is " + scenes::shown(job) + ", expected track or run");
-        kind_ = job == "run" ? JobSpec::Kind::kRun : JobSpec::Kind::kTrack;
-        if (root["set"]) base_ = settings(root["set"]);
+        factors_.kind = job == "run" ? JobSpec::Kind::kRun : JobSpec::Kind::kTrack;
+        if (root["set"]) factors_.base = settings(root["set"]);
         if (root["timeout_s"]) plan_.timeout_s = number(root["timeout_s"], 1.0, 1e7);
         read_list(root["list"]);
         read_grid(root["grid"]);
         read_trackers(root["trackers"]);
         read_seeds(root["seeds"]);
-        expand();
+        expand(factors_, plan_);
         read_table(root["table"]);
         read_published(root["published"]);
         return std::move(plan_);
@@ -151,10 +120,10 @@ class Reader {
 
     /// The settings on the base scene alone, so that a wrong one is found with its line.
     void check(const YAML::Node& at, const Settings& s) const {
-        std::vector<std::string> all = base_.overrides;
+        std::vector<std::string> all = factors_.base.overrides;
         all.insert(all.end(), s.overrides.begin(), s.overrides.end());
         try {
-            scenes::load_scene(scene_file_, all);
+            scenes::load_scene(factors_.scene_file, all);
         } catch (const FileError& error) {
             fail(at, error.what());
         }
@@ -183,7 +152,7 @@ class Reader {
         if (!node) return;
         if (!node.IsMap())
             fail(node, "grid: expected factors, `key.path: [values]` or `name: {level: settings}`");
-        for (const auto& entry : node) grid_.push_back(factor(entry.first.Scalar(), entry.second));
+        for (const auto& entry : node) factors_.grid.push_back(factor(entry.first.Scalar(), entry.second));
     }
 
     /// `- {name: N, set: {...}}` is one alternative; `- {name: N, vary: {key: [values]}}` one for each value.
@@ -196,15 +165,15 @@ class Reader {
             const std::string name = word(entry["name"]);
             const Settings common = entry["set"] ? settings(entry["set"]) : Settings{};
             if (!entry["vary"]) {
-                list_.push_back({{{"case", name}, {"value", ""}}, common});
+                factors_.list.push_back({{{"case", name}, {"value", ""}}, common});
                 continue;
             }
             if (!entry["vary"].IsMap() || entry["vary"].size() != 1)
                 fail(entry["vary"], "vary: expected one `key: [values]`");
             const Factor f = factor(entry["vary"].begin()->first.Scalar(), entry["vary"].begin()->second);
             for (const Level& level : f.levels) {
-                list_.push_back({{{"case", name}, {"value", level.name}}, common});
-                append(list_.back().settings, level.settings);
+                factors_.list.push_back({{{"case", name}, {"value", level.name}}, common});
+                append(factors_.list.back().settings, level.settings);
             }
         }
     }
@@ -221,7 +190,7 @@ class Reader {
             }
         else if (node)
             f = factor("tracker", node);
-        if (!f.levels.empty()) grid_.push_back(f);
+        if (!f.levels.empty()) factors_.grid.push_back(f);
     }
 
     void read_seeds(const YAML::Node& node) {
@@ -231,118 +200,23 @@ class Reader {
             return static_cast<std::uint64_t>(value);
         };
         if (!node) {
-            seeds_ = {scenes::load_scene(scene_file_, base_.overrides).seed};
+            factors_.seeds = {scenes::load_scene(factors_.scene_file, factors_.base.overrides).seed};
         } else if (node.IsSequence()) {
-            for (const auto& seed : node) seeds_.push_back(whole(seed, 0.0));
+            for (const auto& seed : node) factors_.seeds.push_back(whole(seed, 0.0));
         } else {
             const std::uint64_t count = whole(node, 1.0);
             if (count > kMaxCells) fail(node, "expected at most a million seeds");
-            for (std::uint64_t i = 1; i <= count; ++i) seeds_.push_back(i);
+            for (std::uint64_t i = 1; i <= count; ++i) factors_.seeds.push_back(i);
         }
-        if (seeds_.empty()) fail(node, "expected a number of seeds, or a list of them");
-        plan_.seeds = static_cast<int>(seeds_.size());
-    }
-
-    void note_level(const std::string& factor, const std::string& level) {
-        auto at = std::find_if(plan_.factors.begin(), plan_.factors.end(),
-                               [&](const auto& f) { return f.first == factor; });
-        if (at == plan_.factors.end()) at = plan_.factors.insert(at, {factor, {}});
-        if (std::find(at->second.begin(), at->second.end(), level) == at->second.end())
-            at->second.push_back(level);
-    }
-
-    void expand() {
-        if (list_.empty()) list_.push_back({});
-        std::size_t count = list_.size() * seeds_.size();
-        for (const Factor& f : grid_) count *= f.levels.size();
-        if (count > kMaxCells)
-            throw FileError(file_.string(), fmt::format("{} jobs, expected at most a million", count));
-        for (const Alternative& alternative : list_)
-            for (const std::uint64_t seed : seeds_) expand_grid(alternative, seed, 0, base_, {});
-        group_by_sequence();
-    }
-
-    void expand_grid(const Alternative& alternative, std::uint64_t seed, std::size_t depth,
-                     const Settings& chosen, const std::map<std::string, std::string>& levels) {
-        if (depth < grid_.size()) {
-            for (const Level& level : grid_[depth].levels) {
-                Settings next = chosen;
-                append(next, level.settings);
-                std::map<std::string, std::string> next_levels = levels;
-                next_levels[grid_[depth].name] = level.name;
-                note_level(grid_[depth].name, level.name);
-                expand_grid(alternative, seed, depth + 1, next, next_levels);
-            }
-            return;
-        }
-        Settings all = chosen;
-        append(all, alternative.settings);
-        all.overrides.push_back(fmt::format("seed={}", seed));
-        all.overrides.insert(all.overrides.end(), overrides_.begin(), overrides_.end());
-        Cell cell{levels, seed, add_job(all)};
-        for (const auto& [factor, level] : alternative.levels) {
-            cell.levels[factor] = level;
-            note_level(factor, level);
-        }
-        plan_.cells.push_back(cell);
-    }
-
-    std::size_t add_job(const Settings& s) {
-        JobSpec job;
-        job.kind = kind_;
-        job.scene = scenes::load_scene(scene_file_, s.overrides);
-        job.accel = std::max(1, s.accel);
-        job.reprojected = s.protocol == "P";
-        for (const auto& [field, value] : s.degradation) *degradation_field(job.degradation, field) = value;
-        job.command = s.command;
-        const std::string resolved = scenes::to_yaml(job.scene);
-        const std::string protocol = job.reprojected ? "protocol: P\n" : "";
-        const Degradation& d = job.degradation;
-        const std::string degraded =
-            d.any() ? fmt::format("degrade: {} {} {} {} {} {}\n", d.noise_levels, d.blur_px, d.contrast_loss,
-                                  d.tip_error_mm, d.calibration_error_deg, d.occlusion_px)
-                    : "";
-        job.id = sha256(fmt::format("{}job: {}\naccel: {}\ncommand: {}\n{}", resolved,
-                                    kind_ == JobSpec::Kind::kRun ? "run" : "track", job.accel, job.command,
-                                    protocol + degraded))
-                     .substr(0, 16);
-        scenes::SceneConfig sequence =
-            job.scene;  // what no picture and no measured end depends on, put aside
-        sequence.tracking = {};
-        sequence.tracking.tips = job.scene.tracking.tips;
-        sequence.cut = {};
-        job.sequence_id = sha256(scenes::to_yaml(sequence) + protocol).substr(0, 16);
-        const auto [at, is_new] = known_.emplace(job.id, plan_.jobs.size());
-        if (is_new) plan_.jobs.push_back(std::move(job));
-        return at->second;
-    }
-
-    /// Stable: sequences in the order in which they are first needed.
-    void group_by_sequence() {
-        std::map<std::string, std::size_t> first;
-        std::vector<std::size_t> order(plan_.jobs.size());
-        for (std::size_t i = 0; i < order.size(); ++i) {
-            order[i] = i;
-            first.emplace(plan_.jobs[i].sequence_id, i);
-        }
-        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-            return first.at(plan_.jobs[a].sequence_id) < first.at(plan_.jobs[b].sequence_id);
-        });
-        std::vector<JobSpec> jobs;
-        std::vector<std::size_t> place(order.size());
-        for (const std::size_t i : order) {
-            place[i] = jobs.size();
-            jobs.push_back(std::move(plan_.jobs[i]));
-        }
-        plan_.jobs = std::move(jobs);
-        for (Cell& cell : plan_.cells) cell.job = place[cell.job];
+        if (factors_.seeds.empty()) fail(node, "expected a number of seeds, or a list of them");
+        plan_.seeds = static_cast<int>(factors_.seeds.size());
     }
 
     void read_table(const YAML::Node& node) {
         TableSpec& table = plan_.table;
         if (!plan_.factors.empty()) table.rows = plan_.factors.front().first;
         if (plan_.factors.size() > 1) table.columns = plan_.factors.back().first;
-        if (kind_ == JobSpec::Kind::kTrack)
+        if (factors_.kind == JobSpec::Kind::kTrack)
             table.metrics = {"accuracy_3d_mm", "accuracy_2d_px", "disparity_equivalent_px"};
         if (!node) return;
         if (!node.IsMap()) fail(node, "table: expected rows, columns, metrics");
@@ -395,15 +269,8 @@ class Reader {
         }
     }
 
-    fs::path file_, scene_file_;
     YamlDocument document_;
-    std::vector<std::string> overrides_;
-    JobSpec::Kind kind_ = JobSpec::Kind::kTrack;
-    Settings base_;
-    std::vector<Factor> grid_;
-    std::vector<Alternative> list_;
-    std::vector<std::uint64_t> seeds_;
-    std::map<std::string, std::size_t> known_;
+    ExperimentFactors factors_;
     ExperimentPlan plan_;
 };
 

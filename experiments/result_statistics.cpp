@@ -3,23 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "experiments/json_file.hpp"
 #include "scenes/file_error.hpp"
-#include "scenes/text_file.hpp"
 
 namespace atropos::experiments {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 using scenes::FileError;
 namespace {
-
-constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
-
-ordered_json read_json(const fs::path& file) {
-    const ordered_json json = ordered_json::parse(scenes::read_text_file(file, kMaxBytes), nullptr, false);
-    if (!json.is_object())
-        throw FileError(file.string(), "no JSON object, expected the file as it was written");
-    return json;
-}
 
 /// Runs `read`, which takes a JSON file apart, and says which file it was when that fails.
 template <class Read>
@@ -117,7 +108,7 @@ std::size_t ExperimentResults::failed() const {
 ExperimentResults read_results(const fs::path& folder) {
     ExperimentResults results;
     const fs::path manifest = folder / "experiment.json";
-    results.manifest = read_json(manifest);
+    results.manifest = read_json_object(manifest);
     guarded(manifest, [&] {
         check_manifest(results.manifest);
         return 0;
@@ -126,7 +117,7 @@ ExperimentResults read_results(const fs::path& folder) {
         const std::string id = job["id"].get<std::string>();
         const fs::path file = folder / "jobs" / id / "result.json";
         if (!fs::exists(file)) continue;
-        const ordered_json result = read_json(file);
+        const ordered_json result = read_json_object(file);
         guarded(file, [&] {
             Gathering check;
             gather(check, result);

@@ -138,6 +138,7 @@ std::optional<robot::CutCheck> ScissorsPilot::check_cut(const tracker::StereoFra
 
 const tracker::TrackResult* ScissorsPilot::see(int frame, double time_s, const cv::Mat& left,
                                                const cv::Mat& right, const ArmReadings& arms) {
+    if (status().verified == robot::CutEvidence::kCut) return nullptr;  // two threads now, neither tracked
     if (time_s + 1e-9 < next_track_s_) return nullptr;
     if (scene_.tracking.rate_hz > 0.0) next_track_s_ += 1.0 / scene_.tracking.rate_hz;
     tracker::StereoFrame f;
@@ -173,15 +174,19 @@ robot::ScissorsInput ScissorsPilot::input(double time_s, const ArmReadings& arms
     if (arrived_) {
         input.estimate = &arrived_->estimate;
         input.blade_offset = arrived_->offsets[kScissorsArm];
-        for (size_t end : {0, 1}) input.grip_offsets[end] = arrived_->offsets[end];
+        for (size_t end : {0, 1}) {
+            input.grip_offsets[end] = arrived_->offsets[end];
+            if (arrived_->offsets[end]) offsets_C_m_[end] = arrived_->offsets[end]->offset_C_m;
+        }
         input.cut_check = arrived_->cut_check;
     }
     input.scissors.value = arms[kScissorsArm].measured;
     others_C_.clear();
     for (size_t arm : {0, 1}) {
         input.holders[arm] = {arms[arm].measured};
-        const auto capsules = arms[arm].capsules_C();
-        others_C_.insert(others_C_.end(), capsules.begin(), capsules.end());
+        const Vector3d offset_C = offsets_C_m_[arm];
+        for (const scenes::Capsule& c : arms[arm].capsules_C())
+            others_C_.push_back({c.a + offset_C, c.b + offset_C, c.radius_m});
     }
     input.others_C = others_C_;
     return input;

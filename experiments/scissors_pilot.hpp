@@ -77,6 +77,8 @@ class ScissorsPilot {
         std::array<std::optional<tracker::MeasuredTip>, 2> tips;
         double contrast_levels = 0.0;
     } whole_;
+    std::array<Eigen::Vector3d, 2> offsets_C_m_{Eigen::Vector3d::Zero(),
+                                                Eigen::Vector3d::Zero()};  ///< of the holders, as last seen
     std::vector<scenes::Capsule> others_C_;
     double next_track_s_ = 0.0;
 };

@@ -9,9 +9,9 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr double kMemory_s = 0.3;  // over which the lag's changes are averaged
-// The wrist's play moves the blades by millimetres within a few degrees of the wrist's turning; what the
-// images say has been fused there already.
-constexpr double kForget_m = 0.02;
+// The wrist's play moves the blades by millimetres within a few degrees of the wrist's turning; the way over
+// which the offset becomes another one, and the way that a turn of one radian stands for.
+constexpr double kForget_m = 0.10, kTurn_m = 0.15;
 
 OffsetFilter::Options filter_options(const ScissorsOptions& options) {
     OffsetFilter::Options filter;
@@ -35,9 +35,13 @@ Vector3d BladeBelief::setpoint_at(double time_s) const {
 
 void BladeBelief::observe(double time_s, const Isometry3d& X_BT_setpoint,
                           const Measured<ArmState>& measured) {
-    const Vector3d before = X_CS_.translation();
+    const Isometry3d before = X_CS_;
     X_CS_ = X_CB_ * X_BT_setpoint * X_TS_;
-    if (count_ > 0) offset_.travel((X_CS_.translation() - before).norm(), PsmArm::kPeriod_s);
+    if (count_ > 0) {
+        const double turn_rad = Eigen::AngleAxisd(before.linear().transpose() * X_CS_.linear()).angle();
+        offset_.travel((X_CS_.translation() - before.translation()).norm() + kTurn_m * turn_rad,
+                       PsmArm::kPeriod_s);
+    }
     head_ = (head_ + 1) % kHistory;
     count_ = std::min(count_ + 1, kHistory);
     history_[head_] = {time_s, X_CS_.translation()};

@@ -34,8 +34,8 @@ class BladePursuit {
         double near_speed_m_s = 0.02;
         double turn_speed_rad_s = 1.5;
         /// Corrections of the prediction are made up for within this time constant, but not faster than this.
-        double smooth_s = 0.06;
-        double correction_speed_m_s = 0.05;
+        double smooth_s = 0.03;
+        double correction_speed_m_s = 0.10;
     };
     struct Goal {
         Eigen::Vector3d p_C = Eigen::Vector3d::Zero();
@@ -64,6 +64,7 @@ class BladePursuit {
     const Eigen::Isometry3d& step(const Goal& goal);
 
     const Eigen::Isometry3d& X_CS() const { return X_CS_; }
+    double delay_s() const { return options_.smooth_s; }  ///< after which a correction has been made
     bool arrived() const { return share_.done(); }
     double standoff_m() const { return standoff_.state.position; }
     bool at_standoff() const { return standoff_.done(); }

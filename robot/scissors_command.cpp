@@ -16,10 +16,11 @@ using Eigen::Vector3d;
 constexpr double kStall_m = 0.002, kStall_s = 0.10, kUsualLag_s = 0.012;
 constexpr double kBlocked_s = 0.30;                        // no way on for so long
 constexpr double kSettled_m = 0.001, kSettled_rad = 0.05;  // pursuit has caught up
-constexpr double kPlanEvery_s = 0.10, kPlanFor_s = 2.0;
-constexpr double kBladesClear_m = 0.005;   // stand-off down to which their tips do not reach the thread
-constexpr double kWithdrawAfter_s = 0.30;  // gate shut while the thread lies between the blades
-constexpr double kFreeShare = 0.6;  // of the closing, in which the blades are still clear of the thread
+constexpr double kPlanEvery_s = 0.10, kPlanFor_s = 6.0;
+// Stand-off down to which the blades' tips do not reach the thread, and where to decide on going there.
+constexpr double kBladesClear_m = 0.005, kDecide_m = 0.007;
+constexpr double kWithdrawAfter_s = 0.30;  // gate shut on the way to the thread or beside it
+constexpr double kFreeShare = 0.3;  // of the closing, in which the blades are still clear of the thread
 constexpr double kShut_rad = 0.03, kShutWithin_s = 1.0;
 constexpr double kHomeWithin_s = 15.0;
 constexpr int kChecksToBelieve = 3;  // in a row
@@ -46,22 +47,6 @@ BladePursuit::Options pursuit_options(const ScissorsOptions& options) {
     return {options.approach_speed_m_s, options.near_speed_m_s, options.turn_speed_rad_s};
 }
 
-void check(const ScissorsOptions& o) {
-    const auto positive = [](double value, const char* what) {
-        if (!(value > 0.0))
-            throw std::invalid_argument(std::string("ScissorsCommand: ") + what + ", expected above 0");
-    };
-    positive(o.tolerance_m, "tolerance_m");
-    positive(o.max_attempts, "max_attempts");
-    positive(o.registration_sigma_m, "registration_sigma_m");
-    positive(o.standoff_m, "standoff_m");
-    positive(o.approach_speed_m_s, "approach_speed_m_s");
-    positive(o.near_speed_m_s, "near_speed_m_s");
-    positive(o.turn_speed_rad_s, "turn_speed_rad_s");
-    if (!(o.place.fraction >= 0.0 && o.place.fraction <= 1.0))
-        throw std::invalid_argument("ScissorsCommand: fraction of the span, expected in [0, 1]");
-}
-
 }  // namespace
 
 ScissorsCommand::ScissorsCommand(const ScissorsOptions& options, PsmArm& arm, const Isometry3d& X_CB)
@@ -74,7 +59,7 @@ ScissorsCommand::ScissorsCommand(const ScissorsOptions& options, PsmArm& arm, co
       parked_q_(arm.goal()),
       parked_jaw_rad_(arm.jaw_goal_rad()),
       parked_X_CS_(setpoint_X_CS()) {
-    check(options);
+    options.check();
     const Tool& tool = arm.psm().tool();
     open_jaw_rad_ = std::min(options.open_jaw_rad, tool.jaw_max_rad);
     options_.closed_jaw_rad = std::max(options.closed_jaw_rad, tool.jaw_min_rad);
@@ -86,6 +71,12 @@ Isometry3d ScissorsCommand::setpoint_X_CS() const {
     return X_CB_ * arm_.setpoint_cp() * *arm_.psm().tool().X_TS;
 }
 
+Isometry3d ScissorsCommand::on_way_X_CS() const {
+    Isometry3d X_CS = setpoint_X_CS();
+    X_CS.translation() -= give_way_.offset_m();
+    return X_CS;
+}
+
 const ScissorsStatus& ScissorsCommand::step(const ScissorsInput& input) {
     now_s_ = input.time_s;
     others_C_ = input.others_C;
@@ -95,7 +86,7 @@ const ScissorsStatus& ScissorsCommand::step(const ScissorsInput& input) {
     watch_arm();
     watch_thread();
     act(input);
-    if (driving_ && !status_.finished) drive();
+    if (!status_.finished) drive();
     return status_;
 }
 
@@ -148,7 +139,8 @@ void ScissorsCommand::report() {
     status_.X_CS = blade_.X_CS();
     status_.offset_C_m = blade_.offset_C_m();
     status_.advance_m = pursuit_.standoff_m();
-    status_.clearance_m = clearance_at(arm_.setpoint().q);
+    nearest_ = nearest_at(arm_.setpoint().q);
+    status_.clearance_m = nearest_.clearance_m;
     status_.target_known = thread_.known();
     if (!status_.target_known || status_.state > ScissorsState::kClose) return;
 
@@ -158,7 +150,9 @@ void ScissorsCommand::report() {
     status_.tangent_C = scene.thread.tangent_C;
     status_.velocity_C = scene.thread.v_C;
     if (status_.state == ScissorsState::kClose) return;
-    scene.thread.prediction = thread_.growth(now_s_, closing_s_);
+    // What the images say in the first part of the closing is still followed.
+    const double blind_s = (1.0 - kFreeShare) * closing_s_ + pursuit_.delay_s();
+    scene.thread.prediction = thread_.growth(now_s_, blind_s);
     scene.tracking = tracking_;
     scene.estimate_age_s = now_s_ - thread_.capture_time_s();
     scene.X_CS = status_.X_CS;
@@ -290,18 +284,19 @@ void ScissorsCommand::align() {
 void ScissorsCommand::follow() {
     const double standoff_m = pursuit_.standoff_m();
     if (pursuit_.at_standoff() && standoff_m > 0.0) {  // hovers
+        reached_ = false;
         if (!gate_open_for(options_.dwell_s) || now_s_ - settled_since_s_ < options_.dwell_s) return;
         if (status_.attempts >= options_.max_attempts)
             return abort(text("the gate did not stay open in %.0f attempts", status_.attempts));
-        ++status_.attempts;
         return pursuit_.advance_to(0.0);
     }
-    if (!status_.gate_open && pursuit_.is_advancing() && standoff_m > kBladesClear_m &&
-        now_s_ - gate_shut_since_s_ > options_.dwell_s) {
-        --status_.attempts;  // the thread was not touched
-        return pursuit_.advance_to(options_.standoff_m);
+    if (!reached_ && standoff_m <= kBladesClear_m) {
+        reached_ = true;
+        ++status_.attempts;
     }
-    if (!status_.gate_open && now_s_ - gate_shut_since_s_ > kWithdrawAfter_s)
+    const double shut_s = status_.gate_open ? 0.0 : now_s_ - gate_shut_since_s_;
+    const bool last_chance = pursuit_.is_advancing() && !reached_ && standoff_m < kDecide_m;
+    if (shut_s > (last_chance ? options_.dwell_s : kWithdrawAfter_s))
         return pursuit_.advance_to(options_.standoff_m);
     if (!pursuit_.at_standoff() || !gate_open_for(options_.dwell_s)) return;
     arm_.jaw_move_jp(options_.closed_jaw_rad);
@@ -357,7 +352,7 @@ void ScissorsCommand::verify() {
 
 void ScissorsCommand::freeze() {
     if (frozen_) return;
-    frozen_goal_ = pursuit_.stand(setpoint_X_CS(), thread_.at(now_s_).v_C);
+    frozen_goal_ = pursuit_.stand(on_way_X_CS(), thread_.at(now_s_).v_C);
     frozen_ = true;
 }
 
@@ -398,11 +393,14 @@ void ScissorsCommand::finish() {
 }
 
 void ScissorsCommand::drive() {
-    const Isometry3d X_CS = pursuit_.step(goal());
+    if (status_.state != ScissorsState::kClose) give_way_.step(nearest_);
+    if (!driving_ && !give_way_.is_aside()) return;
+    Isometry3d X_CS = driving_ ? pursuit_.step(goal()) : parked_X_CS_;
+    X_CS.translation() += give_way_.offset_m();
     const Psm& psm = arm_.psm();
     const auto solution = psm.inverse(X_CB_.inverse() * X_CS * psm.tool().X_TS->inverse(), arm_.goal());
     if (!solution) return blocked("the target went out of the arm's reach");
-    const double clearance = clearance_at(solution.q);
+    const double clearance = nearest_at(solution.q).clearance_m;
     if (clearance < options_.clearance_m && clearance < status_.clearance_m)
         return blocked("another arm came too near");
     blocked_since_s_ = kNever_s;
@@ -410,18 +408,18 @@ void ScissorsCommand::drive() {
 }
 
 void ScissorsCommand::blocked(const char* why) {
+    if (!driving_) return;
     block_ = why;
     blocked_since_s_ = std::min(blocked_since_s_, now_s_);
-    pursuit_.yield(setpoint_X_CS().translation());
+    pursuit_.yield(on_way_X_CS().translation());
 }
 
-double ScissorsCommand::clearance_at(const Joints& q) const {
-    double least = 1.0;
-    for (scenes::Capsule c : arm_.psm().capsules(q, arm_.setpoint().jaw_rad)) {
-        c = {X_CB_ * c.a, X_CB_ * c.b, c.radius_m};
-        for (const scenes::Capsule& other : others_C_) least = std::min(least, scenes::clearance_m(c, other));
-    }
-    return least;
+/// The instrument at `q`, where the images put it.
+Nearest ScissorsCommand::nearest_at(const Joints& q) const {
+    const Vector3d offset_C = blade_.offset_C_m();
+    std::vector<scenes::Capsule> own_C = arm_.psm().capsules(q, arm_.setpoint().jaw_rad);
+    for (scenes::Capsule& c : own_C) c = {X_CB_ * c.a + offset_C, X_CB_ * c.b + offset_C, c.radius_m};
+    return nearest(own_C, others_C_);
 }
 
 }  // namespace atropos::robot

@@ -3,6 +3,7 @@
 #include "robot/blade_belief.hpp"
 #include "robot/blade_pursuit.hpp"
 #include "robot/cut_planner.hpp"
+#include "robot/give_way.hpp"
 #include "robot/psm_arm.hpp"
 #include "robot/safety_gate.hpp"
 #include "robot/scissors_input.hpp"
@@ -49,12 +50,13 @@ class ScissorsCommand {
     void freeze();
     void open_blades();
     void blocked(const char* why);
-    double clearance_at(const Joints& q) const;
+    Nearest nearest_at(const Joints& q) const;
     bool before_close() const;
     bool gate_open_for(double duration_s) const;
     double in_state_s() const { return now_s_ - entered_s_; }
     BladePursuit::Goal goal() const;
     Eigen::Isometry3d setpoint_X_CS() const;
+    Eigen::Isometry3d on_way_X_CS() const;  // had it not given way
 
     static constexpr double kNever_s = 1e18;
 
@@ -64,6 +66,8 @@ class ScissorsCommand {
     ThreadPredictor thread_;
     BladeBelief blade_;
     BladePursuit pursuit_;
+    GiveWay give_way_;
+    Nearest nearest_;
     CutPlan plan_;
     ScissorsStatus status_;
 
@@ -89,6 +93,7 @@ class ScissorsCommand {
     int closes_ = 0;
     double shut_s_ = -1.0;
     bool homing_ = false;
+    bool reached_ = false;  // the blades have been at the thread since they hovered
 };
 
 }  // namespace atropos::robot
