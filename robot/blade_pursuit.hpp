@@ -34,8 +34,8 @@ class BladePursuit {
         double near_speed_m_s = 0.02;
         double turn_speed_rad_s = 1.5;
         /// Corrections of the prediction are made up for within this time constant, but not faster than this.
-        double smooth_s = 0.03;
-        double correction_speed_m_s = 0.10;
+        double smooth_s = 0.04;
+        double correction_speed_m_s = 0.05;
     };
     struct Goal {
         Eigen::Vector3d p_C = Eigen::Vector3d::Zero();

@@ -20,7 +20,7 @@ constexpr double kPlanEvery_s = 0.10, kPlanFor_s = 6.0;
 // Stand-off down to which the blades' tips do not reach the thread, and where to decide on going there.
 constexpr double kBladesClear_m = 0.005, kDecide_m = 0.007;
 constexpr double kWithdrawAfter_s = 0.30;  // gate shut on the way to the thread or beside it
-constexpr double kFreeShare = 0.3;  // of the closing, in which the blades are still clear of the thread
+constexpr double kFreeShare = 0.5;  // of the closing, in which the blades are still clear of the thread
 constexpr double kShut_rad = 0.03, kShutWithin_s = 1.0;
 constexpr double kHomeWithin_s = 15.0;
 constexpr int kChecksToBelieve = 3;  // in a row
@@ -110,7 +110,8 @@ void ScissorsCommand::observe_estimate(const scenes::ThreadEstimate& estimate) {
     const double touched_s = status_.close_time_s + kFreeShare * closing_s_;
     if (!before_close() && (status_.close_time_s < 0.0 || estimate.capture_time_s > touched_s)) return;
     arrival_s_ = now_s_;
-    const ThreadPredictor::Verdict verdict = thread_.observe(estimate);
+    const ThreadPredictor::Verdict verdict = thread_.observe(
+        estimate, before_close() ? ThreadPredictor::Trust::kUsual : ThreadPredictor::Trust::kWary);
     tracking_ = verdict == ThreadPredictor::Verdict::kUsed;
     if (verdict == ThreadPredictor::Verdict::kJumped && commanded_s_ < 0.0)
         thread_.forget();  // nothing lost yet

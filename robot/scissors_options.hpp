@@ -38,7 +38,7 @@ struct ScissorsOptions {
     double clearance_m = 0.005;         ///< between arms, always
     double clearance_margin_m = 0.003;  ///< on top of it, for what is only measured
     double approach_speed_m_s = 0.040;
-    double near_speed_m_s = 0.030;  ///< relative to the thread, within the stand-off
+    double near_speed_m_s = 0.020;  ///< relative to the thread, within the stand-off
     double turn_speed_rad_s = 1.5;
     double open_jaw_rad = 0.70;     ///< at most the tool's widest
     double closed_jaw_rad = -0.10;  ///< squeezing; at least the tool's least

@@ -20,8 +20,9 @@ constexpr MotionFilter::Options kGrips{0.10, 0.2, 0.05};
 constexpr double kTangentReach_m = 0.004;  // half of the chord that gives the tangent
 constexpr double kTangentMemory = 0.3;     // share of a new tangent
 constexpr double kGripSigma_m = 2e-5;      // of measured motion over a few tenths of a second
-constexpr double kMaxSurprise = 30.0;      // squared, three degrees of freedom: one in a million
-constexpr double kModelSigma_m = 3e-4;     // no innovation below this is a jump
+// Squared, three degrees of freedom: one in a million; one in thirty.
+constexpr double kMaxSurprise = 30.0, kWarySurprise = 9.0;
+constexpr double kModelSigma_m = 3e-4;  // no innovation below this is a jump
 // What a tracker's sigmas leave out: along the thread a point is known by the ends alone.
 constexpr double kSlideSigma_m = 1.5e-4, kJitterSigma_m = 1.5e-4;
 constexpr double kSwing_m_s = 0.010;  // of the thread against its grips, where no frames came
@@ -148,7 +149,7 @@ bool ThreadPredictor::plausible(const scenes::ThreadEstimate& estimate) {
     return true;
 }
 
-ThreadPredictor::Verdict ThreadPredictor::observe(const scenes::ThreadEstimate& estimate) {
+ThreadPredictor::Verdict ThreadPredictor::observe(const scenes::ThreadEstimate& estimate, Trust trust) {
     const double now = estimate.capture_time_s;
     if (now <= last_capture_s_) return refuse(Verdict::kUnusable, "estimates out of order");
     const double unseen_s = std::min(now - last_capture_s_, kLongestUnseen_s);
@@ -187,7 +188,8 @@ ThreadPredictor::Verdict ThreadPredictor::observe(const scenes::ThreadEstimate& 
         // From where it was seen last, not from where a velocity that ran away would put it.
         const Vector3d moved = relative - relative_.at(relative_.time_s(), drive(grips)).p;
         const double jump = (moved - along.dot(moved) * along).norm();
-        const bool surprising = relative_.surprise(now, relative, wide, drive(grips)) > kMaxSurprise;
+        const bool surprising = relative_.surprise(now, relative, wide, drive(grips)) >
+                                (trust == Trust::kWary ? kWarySurprise : kMaxSurprise);
         if (surprising && jumped_since_s_ < 0.0) jumped_since_s_ = now;
         // However long the thread was out of sight, the grips tell too much for it to be elsewhere.
         if (jump > options_.max_jump_m + kSwing_m_s * unseen_s ||

@@ -26,13 +26,16 @@ class ThreadPredictor {
   public:
     enum class Verdict { kUsed, kUnusable, kImplausible, kJumped };
 
+    /// How surprising an estimate may be: wary while blades that close hide part of the thread.
+    enum class Trust { kUsual, kWary };
+
     explicit ThreadPredictor(const ScissorsOptions& options);
 
     /// Measured poses of the holding arms, as often as they come.
     void observe_grips(const ScissorsInput& input);
 
     /// Estimates must come in the order of their capture. Implausible ones are refused, with rejection().
-    Verdict observe(const scenes::ThreadEstimate& estimate);
+    Verdict observe(const scenes::ThreadEstimate& estimate, Trust trust = Trust::kUsual);
 
     /// False until an estimate has been used.
     bool known() const { return relative_.started(); }
