@@ -28,6 +28,14 @@ class Experiments(Folder):
         self.kill_and_resume(["experiment", self.experiment, "-o", self.folder / "killed", "--jobs", 2, "--quiet"], self.folder / "killed", seconds)
         self.assertSameFolders(self.folder / "one", self.folder / "killed")
 
+        # The page can be written again, from what the folder holds.
+        page = self.folder / "one" / "report.html"
+        written = page.read_bytes()
+        page.unlink()
+        self.assertIn("8 jobs done, 0 missing, 0 failed", atropos("report", self.folder / "one", check=0).stdout)
+        self.assertEqual(page.read_bytes(), written)
+        self.assertOneLine(atropos("report", self.folder), "expected the folder of a finished run or of an experiment")
+
         # What is wrong on disk is said in one line, and nothing is lost.
         one = self.folder / "one"
         self.assertOneLine(atropos("experiment", self.experiment, "-o", one), "not empty", "--force")

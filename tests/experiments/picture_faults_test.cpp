@@ -39,8 +39,10 @@ struct Episode {
         for (long tick = 0; tick < std::lround(1e3 * duration_s) && !pilot.status().finished; ++tick) {
             if (tick == std::lround(1e3 * frame / scene.camera.fps_hz)) {
                 View view = endoscope.capture(testbed, frame);
-                if (fault(testbed.time_s(), view.left, view.right))
-                    pilot.see(frame, testbed.time_s(), view.left, view.right, readings());
+                const bool cut = pilot.status().verified == robot::CutEvidence::kCut;
+                if (fault(testbed.time_s(), view.left, view.right) &&
+                    pilot.see(frame, testbed.time_s(), view.left, view.right, readings()) && cut)
+                    ++tracked_after_cut;
                 ++frame;
             }
             pilot.step(testbed.time_s(), readings());
@@ -52,6 +54,7 @@ struct Episode {
     Testbed testbed;
     EndoscopeView endoscope;
     ScissorsPilot pilot;
+    int tracked_after_cut = 0;
 };
 
 TEST(PictureFaults, a_black_eye_ends_the_cut_and_the_reason_says_that_the_tracker_is_lost) {
@@ -85,6 +88,8 @@ TEST(PictureFaults, half_a_second_without_pictures_delays_the_cut_and_no_more) {
     });
     EXPECT_FALSE(episode.is_whole());
     EXPECT_TRUE(episode.pilot.status().succeeded) << episode.pilot.status().reason;
+    EXPECT_EQ(episode.pilot.status().verified, robot::CutEvidence::kCut);
+    EXPECT_EQ(episode.tracked_after_cut, 0);
 }
 
 }  // namespace

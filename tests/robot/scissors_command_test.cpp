@@ -127,6 +127,32 @@ TEST(ScissorsCommand, half_a_second_without_frames_delays_the_cut) {
     }
 }
 
+TEST(ScissorsCommand, blades_turn_back_before_they_reach_the_thread_when_the_gate_shuts) {
+    double shut_s = -1.0, nearest_m = 1.0;
+    int attempts_when_back = -1;
+    ScissorsWorldOptions options;
+    options.tamper = [&](ThreadEstimate& e, double t) {
+        if (shut_s >= 0.0 && t < shut_s + 0.5) e.status = TrackStatus::kLost;
+    };
+    options.watch = [&](const ScissorsWorld& w) {
+        const ScissorsStatus& s = w.status();
+        if (s.state != ScissorsState::kFollow) return;
+        if (shut_s < 0.0 && s.advance_m < 0.012) shut_s = w.time_s();
+        if (shut_s < 0.0 || w.time_s() > shut_s + 0.5) return;
+        nearest_m = std::min(nearest_m, s.advance_m);
+        attempts_when_back = s.attempts;
+    };
+    for (std::uint64_t seed = 0; seed < 5; ++seed) {
+        shut_s = -1.0;
+        nearest_m = 1.0;
+        const ScissorsOutcome o = ScissorsWorld(options, seed).run();
+        EXPECT_GT(nearest_m, 0.005) << "seed " << seed;
+        EXPECT_EQ(attempts_when_back, 0) << "seed " << seed;
+        EXPECT_TRUE(o.severed) << o.status.reason;
+        EXPECT_EQ(o.status.attempts, 1);
+    }
+}
+
 TEST(ScissorsCommand, a_lost_tracker_is_named) {
     ScissorsWorldOptions options;
     options.tamper = [](ThreadEstimate& e, double t) {
@@ -272,6 +298,37 @@ TEST(ScissorsCommand, blades_keep_to_the_speed_limits_near_the_thread) {
                 1e3 * fastest_near);
     EXPECT_LE(fastest, 0.110);
     EXPECT_LE(fastest_near, 0.035);
+}
+
+TEST(ScissorsCommand, blades_that_wait_give_way_to_an_arm_that_comes_near_and_come_back) {
+    ScissorsWorldOptions options;
+    options.accuracy = scenes::ArmAccuracy::kPerfect;
+    options.command_s = 100.0;
+    options.duration_s = 6.0;
+    const auto tip_C = [](const ScissorsWorld& w) {
+        return Eigen::Vector3d(w.arm(2).X_CB() * w.arm(2).controller().setpoint_cp().translation());
+    };
+    const Eigen::Vector3d parked_C = tip_C(ScissorsWorld(options, 1));
+    // A ball of 3 mm comes from the side at 30 mm/s, as far as where the tip was, and leaves again.
+    const auto ball = [&](double t) {
+        const double away_m = 0.030 * std::abs(t - 2.0);
+        const Eigen::Vector3d p = parked_C + Eigen::Vector3d(away_m, 0.001, 0.0);
+        return scenes::Capsule{p, p, 0.003};
+    };
+    options.visitor_C = ball;
+    double least_m = 1.0, farthest_m = 0.0;
+    options.watch = [&](const ScissorsWorld& w) {
+        for (const scenes::Capsule& c : w.arm(2).true_capsules_W().value)
+            least_m = std::min(
+                least_m, scenes::clearance_m({w.X_CW() * c.a, w.X_CW() * c.b, c.radius_m}, ball(w.time_s())));
+        farthest_m = std::max(farthest_m, (tip_C(w) - parked_C).norm());
+    };
+    ScissorsWorld world(options, 1);
+    world.run();
+    std::printf("clearance at least %.1f mm, %.1f mm aside at most\n", 1e3 * least_m, 1e3 * farthest_m);
+    EXPECT_GT(least_m, 0.002);
+    EXPECT_GT(farthest_m, 0.005);
+    EXPECT_LT((tip_C(world) - parked_C).norm(), 1e-4);
 }
 
 TEST(ScissorsCommand, refuses_what_makes_no_sense) {

@@ -37,6 +37,7 @@ struct ScissorsWorldOptions {
     bool blunt = false;                   ///< the blades cut nothing
     double slip_m_s = 0.0;                ///< span pulled out of jaw 1, after the command
     std::vector<scenes::Capsule> obstacles_C;
+    std::function<scenes::Capsule(double)> visitor_C;  ///< an obstacle that moves
     std::function<void(const class ScissorsWorld&)> watch;
 };
 
@@ -198,6 +199,7 @@ class ScissorsWorld {
         const Eigen::Isometry3d X_CEcm = X_CW_ * layout_.X_WEcm;
         others_.push_back({X_CEcm * scope.a, X_CEcm * scope.b, scope.radius_m});
         others_.insert(others_.end(), options_.obstacles_C.begin(), options_.obstacles_C.end());
+        if (options_.visitor_C) others_.push_back(options_.visitor_C(time_s_));
         input.others_C = others_;
         capture();
         if (!under_way_.empty() && under_way_.front().first <= time_s_ + 1e-9) {

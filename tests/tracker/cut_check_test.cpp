@@ -37,11 +37,11 @@ Scene scene_of(std::uint64_t seed, const Eigen::Vector3d& error_C) {
     return scene;
 }
 
-/// Paints ground over the thread around the place of the cut.
-void open_gap(Scene& scene, double half_m) {
+/// Paints ground over the thread between two places.
+void paint_over(Scene& scene, double from_m, double to_m) {
     scenes::RandomStream random(1, "gap");
     for (const scenes::ThreadSample& sample : scene.estimate.samples) {
-        if (std::abs(sample.s_m - kCutAt_m) > half_m) continue;
+        if (sample.s_m < from_m || sample.s_m > to_m) continue;
         for (const bool right : {false, true}) {
             const Eigen::Vector2d px = right ? scene.options.rig.project_right(sample.p_C)
                                              : scene.options.rig.project_left(sample.p_C);
@@ -65,12 +65,40 @@ TEST(CutCheck, sees_an_intact_thread_through_the_errors_of_the_estimate) {
 TEST(CutCheck, sees_the_gap_of_a_cut_thread) {
     for (std::uint64_t seed = 51; seed < 56; ++seed) {
         Scene scene = scene_of(seed, Eigen::Vector3d::Zero());
-        open_gap(scene, 0.0025);
+        paint_over(scene, kCutAt_m - 0.0025, kCutAt_m + 0.0025);
         const CutCheck check = check_cut(scene.frame, scene.options.rig, scene.estimate, kCutAt_m);
         EXPECT_EQ(check.verdict, CutVerdict::kCut) << "seed " << seed << " support " << check.support_at;
         EXPECT_GT(check.support_before, 0.4);
         EXPECT_GT(check.support_after, 0.4);
     }
+}
+
+TEST(CutCheck, does_not_take_a_thread_that_ends_at_the_place_for_an_intact_one) {
+    for (std::uint64_t seed = 51; seed < 56; ++seed) {
+        Scene scene = scene_of(seed, Eigen::Vector3d::Zero());
+        paint_over(scene, kCutAt_m + 0.0032, kCutAt_m + 0.010);
+        const CutCheck check = check_cut(scene.frame, scene.options.rig, scene.estimate, kCutAt_m);
+        EXPECT_GT(check.support_at, 0.8);
+        EXPECT_LT(check.support_after, 0.5);
+        EXPECT_NE(check.verdict, CutVerdict::kIntact) << "seed " << seed;
+    }
+}
+
+TEST(CutCheck, does_not_take_a_faint_crease_for_the_thread_whose_contrast_it_knows) {
+    Scene whole = scene_of(52, Eigen::Vector3d::Zero());
+    const double usual_levels =
+        check_cut(whole.frame, whole.options.rig, whole.estimate, kCutAt_m).usual_levels;
+    Scene crease = whole;
+    for (cv::Mat* image : {&crease.frame.left, &crease.frame.right})
+        image->forEach<unsigned char>([](unsigned char& level, const int*) {
+            level = static_cast<unsigned char>(150 + (level - 150) / 4);
+        });
+    CutCheckOptions options;
+    EXPECT_EQ(check_cut(crease.frame, crease.options.rig, crease.estimate, kCutAt_m, options).verdict,
+              CutVerdict::kIntact);
+    options.usual_levels = usual_levels;
+    EXPECT_EQ(check_cut(crease.frame, crease.options.rig, crease.estimate, kCutAt_m, options).verdict,
+              CutVerdict::kCut);
 }
 
 TEST(CutCheck, does_not_judge_a_place_behind_an_instrument) {
