@@ -14,6 +14,7 @@ namespace {
 constexpr double kCalibratedShift_m = 0.0008, kUncalibratedShift_m = 0.0022;
 
 constexpr double kLearnContrast = 0.2;
+constexpr double kAnyJump_m = 0.1;
 
 tracker::CutCheckOptions cut_check_options(const scenes::TrackerConfig& config) {
     tracker::CutCheckOptions options;
@@ -33,6 +34,10 @@ robot::ScissorsOptions scissors_options(const scenes::SceneConfig& scene) {
     options.tolerance_m = scene.cut.tolerance_m;
     options.sigmas = scene.cut.sigmas;
     options.max_attempts = scene.cut.max_attempts;
+    if (options.sigmas == 0.0) {  // nothing is known of the tracker's error: what it says is done
+        options.min_confidence = 0.0;
+        options.max_jump_m = kAnyJump_m;
+    }
     // RMS of the blade point in C before images help (docs/arms.md).
     switch (scene.arms.accuracy) {
         case scenes::ArmAccuracy::kPerfect:

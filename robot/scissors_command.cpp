@@ -140,8 +140,8 @@ void ScissorsCommand::report() {
     status_.X_CS = blade_.X_CS();
     status_.offset_C_m = blade_.offset_C_m();
     status_.advance_m = pursuit_.standoff_m();
-    nearest_ = nearest_at(arm_.setpoint().q);
-    status_.clearance_m = nearest_.clearance_m;
+    neighbourhood_ = neighbourhood_at(arm_.setpoint().q);
+    status_.clearance_m = neighbourhood_.clearance_m;
     status_.target_known = thread_.known();
     if (!status_.target_known || status_.state > ScissorsState::kClose) return;
 
@@ -394,14 +394,14 @@ void ScissorsCommand::finish() {
 }
 
 void ScissorsCommand::drive() {
-    if (status_.state != ScissorsState::kClose) give_way_.step(nearest_);
+    if (status_.state != ScissorsState::kClose) give_way_.step(neighbourhood_);
     if (!driving_ && !give_way_.is_aside()) return;
     Isometry3d X_CS = driving_ ? pursuit_.step(goal()) : parked_X_CS_;
     X_CS.translation() += give_way_.offset_m();
     const Psm& psm = arm_.psm();
     const auto solution = psm.inverse(X_CB_.inverse() * X_CS * psm.tool().X_TS->inverse(), arm_.goal());
     if (!solution) return blocked("the target went out of the arm's reach");
-    const double clearance = nearest_at(solution.q).clearance_m;
+    const double clearance = neighbourhood_at(solution.q).clearance_m;
     if (clearance < options_.clearance_m && clearance < status_.clearance_m)
         return blocked("another arm came too near");
     blocked_since_s_ = kNever_s;
@@ -416,11 +416,11 @@ void ScissorsCommand::blocked(const char* why) {
 }
 
 /// The instrument at `q`, where the images put it.
-Nearest ScissorsCommand::nearest_at(const Joints& q) const {
+Neighbourhood ScissorsCommand::neighbourhood_at(const Joints& q) const {
     const Vector3d offset_C = blade_.offset_C_m();
     std::vector<scenes::Capsule> own_C = arm_.psm().capsules(q, arm_.setpoint().jaw_rad);
     for (scenes::Capsule& c : own_C) c = {X_CB_ * c.a + offset_C, X_CB_ * c.b + offset_C, c.radius_m};
-    return nearest(own_C, others_C_);
+    return neighbourhood(own_C, others_C_, give_way_.wanted_clearance_m());
 }
 
 }  // namespace atropos::robot

@@ -50,7 +50,7 @@ class ScissorsCommand {
     void freeze();
     void open_blades();
     void blocked(const char* why);
-    Nearest nearest_at(const Joints& q) const;
+    Neighbourhood neighbourhood_at(const Joints& q) const;
     bool before_close() const;
     bool gate_open_for(double duration_s) const;
     double in_state_s() const { return now_s_ - entered_s_; }
@@ -67,7 +67,7 @@ class ScissorsCommand {
     BladeBelief blade_;
     BladePursuit pursuit_;
     GiveWay give_way_;
-    Nearest nearest_;
+    Neighbourhood neighbourhood_;
     CutPlan plan_;
     ScissorsStatus status_;
 

@@ -31,7 +31,7 @@ struct ScissorsOptions {
     double min_confidence = 0.5;      ///< of an estimate
     double max_estimate_age_s = 0.5;  ///< capture to now; older: the gate is closed
     double lost_timeout_s = 1.5;      ///< without a usable estimate: abort
-    double timeout_s = 20.0;          ///< from command to close
+    double timeout_s = 30.0;          ///< from command to close
     double verify_timeout_s = 1.5;
 
     double standoff_m = 0.015;          ///< of the blade point before the thread

@@ -16,6 +16,7 @@ namespace {
 constexpr double kReferenceWidth_px = 640.0;
 constexpr double kMinimumSupport = 0.5;  // of the samples, for a curve to count as found
 constexpr double kSupport_px = 2.0;      // at 640
+constexpr double kPreferBulge = 0.1;     // of the samples
 
 struct Level {
     double truncation_px;  ///< of the distance transform, at 640
@@ -83,9 +84,14 @@ class Descent {
         images_.begin(frame);
     }
 
-    /// From the level `first` down; the share of the curve that is seen in the end.
-    double run(std::vector<Eigen::Vector3d>& curve, std::size_t first) {
-        double seen = 0.0;
+    struct Found {
+        std::vector<Eigen::Vector3d> curve;
+        double seen = 0.0;  ///< share of the curve
+        double energy = std::numeric_limits<double>::infinity();
+    };
+
+    /// From the level `first` down.
+    Found run(std::vector<Eigen::Vector3d> curve, std::size_t first) {
         for (std::size_t l = first; l < levels_; ++l) {
             const Level& level = kLevels[l];
             truncate(level.truncation_px);
@@ -108,17 +114,24 @@ class Descent {
                     std::any_of(labelling_.begin(), labelling_.end(), [](int label) { return label != 0; });
                 unmoved = moved ? 0 : unmoved + 1;
             }
-            seen = support(context(), curve, kSupport_px);
         }
-        return seen;
+        Found found{std::move(curve)};
+        found.seen = support(context(), found.curve, kSupport_px);
+        found.energy = energy(context(), found.curve).total;
+        return found;
     }
 
-    /// A slack thread bulges to some side by an amount that its length tells: the side that is seen best.
-    std::vector<Eigen::Vector3d> best_bulge(const std::vector<Eigen::Vector3d>& line) {
+    /// A slack thread bulges to some side by an amount that its length tells: the sides that are seen best,
+    /// at most two. Towards the camera and away from it look alike where the thread runs along the baseline.
+    std::vector<std::vector<Eigen::Vector3d>> best_bulges(const std::vector<Eigen::Vector3d>& line) {
         truncate(kBulgeTruncation_px);
         std::fill(speed_m_.begin(), speed_m_.end(), config_.thread.length_m);
         const Eigen::Vector3d along = (line.back() - line.front()).normalized(),
                               across = along.unitOrthogonal();
+        struct Bulge {
+            double data = std::numeric_limits<double>::infinity();
+            std::vector<Eigen::Vector3d> curve;
+        };
         std::vector<std::vector<Eigen::Vector3d>> candidates;
         for (int i = 0; i < kBulgeAngles; ++i)
             for (const auto sag : {free_sag, held_sag}) {
@@ -128,14 +141,21 @@ class Descent {
                 want_along(candidates.back());
             }
         images_.compute(pool_);
-        double least = std::numeric_limits<double>::infinity();
-        std::vector<Eigen::Vector3d> best;
-        for (std::vector<Eigen::Vector3d>& candidate : candidates) {
-            const double data = energy(context(), candidate).data;
-            if (data >= least) continue;
-            least = data;
-            best = std::move(candidate);
+        std::vector<Bulge> by_angle(kBulgeAngles);
+        for (std::size_t i = 0; i < candidates.size(); ++i) {
+            const double data = energy(context(), candidates[i]).data;
+            if (data < by_angle[i / 2].data) by_angle[i / 2] = {data, std::move(candidates[i])};
         }
+        std::vector<Bulge> sides;
+        for (std::size_t i = 0; i < by_angle.size(); ++i) {
+            const double before = by_angle[(i + kBulgeAngles - 1) % kBulgeAngles].data,
+                         after = by_angle[(i + 1) % kBulgeAngles].data;
+            if (by_angle[i].data <= before && by_angle[i].data < after) sides.push_back(by_angle[i]);
+        }
+        std::sort(sides.begin(), sides.end(), [](const Bulge& a, const Bulge& b) { return a.data < b.data; });
+        std::vector<std::vector<Eigen::Vector3d>> best;
+        for (std::size_t i = 0; i < std::min<std::size_t>(2, sides.size()); ++i)
+            best.push_back(std::move(sides[i].curve));
         return best;
     }
 
@@ -212,18 +232,18 @@ std::optional<std::vector<Eigen::Vector3d>> initial_curve_between_tips(const sce
     Descent descent(config, rig, frame, levels, pool);
     const std::vector<Eigen::Vector3d> line =
         straight_line(config.curve.degree, config.curve.control_points, from, to);
-    std::vector<Eigen::Vector3d> best = line;
-    double best_seen = descent.run(best, 0);
-    if (config.thread.length_m > (to - from).norm()) {
-        std::vector<Eigen::Vector3d> bulged = descent.best_bulge(line);
-        const double seen = bulged.empty() ? 0.0 : descent.run(bulged, kBulgeFirstLevel);
-        if (seen > best_seen) {
-            best_seen = seen;
-            best = std::move(bulged);
+    const Descent::Found straight = descent.run(line, 0);
+    Descent::Found best;
+    if (config.thread.length_m > (to - from).norm())
+        for (const std::vector<Eigen::Vector3d>& bulge : descent.best_bulges(line)) {
+            Descent::Found found = descent.run(bulge, kBulgeFirstLevel);
+            if (found.energy < best.energy) best = std::move(found);
         }
-    }
-    if (best_seen < kMinimumSupport) return std::nullopt;
-    return best;
+    // What began as a straight line may have bent in depth where nothing is seen of that: a bulge hangs in a
+    // plane.
+    if (straight.seen > best.seen + kPreferBulge) best = straight;
+    if (best.seen < kMinimumSupport) return std::nullopt;
+    return best.curve;
 }
 
 }  // namespace atropos::tracker
