@@ -7,9 +7,11 @@
 #include "experiments/exit_status.hpp"
 #include "experiments/metrics.hpp"
 #include "experiments/output_folder.hpp"
+#include "experiments/sequence_bound.hpp"
 #include "experiments/track_reader.hpp"
 #include "scenes/calibration_file.hpp"
 #include "scenes/file_error.hpp"
+#include "scenes/scene_file.hpp"
 
 namespace atropos::experiments {
 namespace fs = std::filesystem;
@@ -18,8 +20,22 @@ namespace {
 
 struct EvaluateOptions {
     std::string sequence, track, per_frame;
-    bool json = false;
+    bool json = false, bound = false;
 };
+
+/// What the pictures allow, beside what was reached: the bound, the ratio, and what the bound assumes.
+void add_bound(const std::string& folder, const std::vector<TruthFrame>& truth,
+               nlohmann::ordered_json& summary) {
+    const fs::path scene = fs::path(folder) / "scene.yaml";
+    const scenes::SceneConfig settings =
+        fs::exists(scene) ? scenes::load_scene(scene, {}) : scenes::SceneConfig{};
+    const SequenceBound bound = sequence_bound(Sequence::open(folder), truth, settings.tracking.tracker);
+    summary["bound_3d_mm"] = statistics(bound.mean_3d_mm);
+    if (summary["accuracy_3d_mm"].is_object())
+        summary["accuracy_over_bound"] =
+            summary["accuracy_3d_mm"]["mean"].get<double>() / summary["bound_3d_mm"]["mean"].get<double>();
+    summary.update(bound.assumed);
+}
 
 int evaluate(const EvaluateOptions& options) {
     const scenes::StereoRig rig =
@@ -38,7 +54,8 @@ int evaluate(const EvaluateOptions& options) {
     if (frames.empty())
         throw FileError(options.sequence,
                         "no frame with a true span, expected truth/thread.csv to cover the track");
-    const nlohmann::ordered_json summary = summarise(frames);
+    nlohmann::ordered_json summary = summarise(frames);
+    if (options.bound) add_bound(options.sequence, truth, summary);
     if (!options.per_frame.empty()) write_file(options.per_frame, per_frame_csv(frames));
     if (options.json)
         fmt::print("{}\n", summary.dump(2));
@@ -59,6 +76,8 @@ void add_evaluate_command(CLI::App& program, Command& chosen) {
     app->add_flag("--json", options->json, "the summary as JSON");
     app->add_option("--per-frame", options->per_frame,
                     "also write the metrics of each frame to this CSV file");
+    app->add_flag("--bound", options->bound,
+                  "what the pictures allow besides: the Bayesian Cramer-Rao bound and what it assumes");
     app->footer("Example: atropos evaluate results/data/sequence_000000 results/track");
     app->callback([&chosen, options] { chosen = [options] { return evaluate(*options); }; });
 }

@@ -117,8 +117,6 @@ FrameMetrics compare(const ThreadEstimate& estimate, const Polyline& truth_C, co
     return m;
 }
 
-namespace {
-
 nlohmann::ordered_json statistics(std::vector<double> values) {
     if (values.empty()) return nullptr;
     const auto n = static_cast<double>(values.size());
@@ -130,6 +128,8 @@ nlohmann::ordered_json statistics(std::vector<double> values) {
     const auto rank = static_cast<size_t>(std::ceil(0.95 * n)) - 1;
     return {{"mean", mean}, {"std", std::sqrt(square)}, {"p95", values[rank]}, {"max", values.back()}};
 }
+
+namespace {
 
 struct Losses {
     int failures = 0, events = 0, silent = 0;

@@ -43,6 +43,9 @@ struct EvaluatedFrame {
     FrameMetrics metrics;  ///< of frames with a curve and a truth
 };
 
+/// Mean, std, p95 and max; null of none.
+nlohmann::ordered_json statistics(std::vector<double> values);
+
 /// Statistics over frames: lost frames are left out of the means, and counted.
 nlohmann::ordered_json summarise(const std::vector<EvaluatedFrame>& frames);
 
