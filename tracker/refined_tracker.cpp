@@ -200,7 +200,11 @@ void RefinedTracker::recover(const StereoFrame& frame) {
     const auto began = std::chrono::steady_clock::now();
     const Eigen::Matrix3Xd expected = problem_.expected;
     const int turn = frames_unseen_ % (2 * kRetryFrames);
-    if (turn == 0 && (frames_unseen_ > 0 || fit_.quality.support < kMostlySeen))
+    // A curve that is right but for a stretch waits: its own next frame is the better search.
+    const bool mostly_seen = fit_.quality.support >= kMostlySeen &&
+                             fit_.quality.rms_stretch <= loss_test_.rms_stretch &&
+                             fit_.quality.end_off_m <= loss_test_.end_off_m;
+    if (turn == 0 && (frames_unseen_ > 0 || !mostly_seen))
         if (const auto found = recovery_.near(frame, curve_of(expected))) try_fit(frame, *found, fit_);
     if (turn == kRetryFrames)
         if (const auto found = recovery_.between_tips(frame)) try_fit(frame, *found, fit_);
