@@ -40,6 +40,9 @@ void RunRecorder::add(const LoopFrame& frame) {
         last_estimate_ = frame.tracked->estimate;
         last_control_points_ = frame.tracked->control_points;
         add_metrics(frame);
+    } else if (frame.command.verified == robot::CutEvidence::kCut) {
+        last_estimate_ = {};  // nothing is tracked any more
+        last_control_points_.clear();
     }
     const bool measured = frame.tracked && !evaluated_.empty() && evaluated_.back().frame == frame.frame;
     report_.add(
@@ -86,7 +89,7 @@ void RunRecorder::draw(const LoopFrame& frame) {
     const Overlay overlay{
         &last_estimate_, last_control_points_, nullptr,
         fmt::format("{:6.2f} s  {}  {}", frame_times_s_.back(), robot::to_string(frame.command.state),
-                    scenes::to_string(last_estimate_.status))};
+                    last_estimate_.samples.empty() ? "" : scenes::to_string(last_estimate_.status))};
     const cv::Mat picture = draw_overlay(frame.view.left, loop_.testbed().rig(), 0, overlay, kZoom);
     const cv::Size inset(picture.cols / 4, picture.rows / 3);
     if (frame.frame % kFramesPerInset == 0 || inset_.empty())

@@ -119,7 +119,7 @@ void RunReport::add(const LoopFrame& frame, const ClosedLoop& loop, const scenes
     ordered_json entry;
     entry["t"] = rounded(loop.testbed().time_s());
     entry["state"] = robot::to_string(command.state);
-    entry["status"] = scenes::to_string(estimate.status);
+    entry["status"] = estimate.samples.empty() ? "not tracked" : scenes::to_string(estimate.status);
     entry["gate"] = command.gate_open;
     entry["why"] = command.gate_reason;
     entry["truth"] = strands(frame.view.samples);
