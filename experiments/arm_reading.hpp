@@ -24,6 +24,8 @@ struct ArmReading {
     std::vector<scenes::Capsule> capsules_C() const;
 };
 
+using ArmReadings = std::array<ArmReading, kArms>;
+
 ArmReading read(const robot::RobotArm& arm);
 
 }  // namespace atropos::experiments

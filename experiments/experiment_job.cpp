@@ -13,7 +13,7 @@
 #include "experiments/picture_file.hpp"
 #include "experiments/recorded_run.hpp"
 #include "experiments/reprojection.hpp"
-#include "experiments/sequence.hpp"
+#include "experiments/sequence_arms.hpp"
 #include "experiments/sequence_generator.hpp"
 #include "experiments/track_writer.hpp"
 #include "scenes/scene_file.hpp"
@@ -58,6 +58,10 @@ void track_job(const JobSpec& job, const fs::path& sequence_folder, const fs::pa
     const std::unique_ptr<tracker::StereoTracker> tracker =
         job.command.empty() ? tracker::make_tracker(job.scene.tracking.tracker, rig)
                             : make_external_tracker({job.command}, rig, log, true);
+    const bool refined =
+        job.command.empty() && job.scene.tracking.tracker.method == scenes::TrackerMethod::kRefined;
+    const std::unique_ptr<SequenceArms> arms =  // the paper's trackers know no instruments
+        refined ? SequenceArms::open(sequence, rig, job.scene.tracking.tracker.threads) : nullptr;
     const std::vector<TruthFrame> truth = read_truth(sequence_folder, sequence.frames());
     TrackWriter writer;
     KnotEnds knots;
@@ -68,6 +72,7 @@ void track_job(const JobSpec& job, const fs::path& sequence_folder, const fs::pa
         tracker::StereoFrame frame = sequence.frame(k);
         frame.index = n;
         degrade(frame, job.degradation, job.scene.seed);
+        if (arms) arms->add_to(frame, k);
         knots.place(frame);
         const tracker::TrackResult& result = tracker->track(frame);
         knots.learn(frame, result.estimate);

@@ -71,15 +71,14 @@ class Explainer final : public tracker::TrackObserver {
 }  // namespace
 
 void explain_frame(tracker::StereoTracker& tracker, const tracker::TrackerState& before,
-                   const Sequence& sequence, int index, const fs::path& folder) {
+                   const Sequence& sequence, const tracker::StereoFrame& frame, const fs::path& folder) {
     fs::create_directories(folder);
-    const tracker::StereoFrame frame = sequence.frame(index);
+    const auto index = static_cast<size_t>(frame.index);
     std::vector<TruthFrame> truth;
     if (fs::exists(sequence.folder() / "truth" / "thread.csv"))
         truth = read_truth(sequence.folder(), sequence.frames());
-    const scenes::Polyline* span = truth.empty() || truth[static_cast<size_t>(index)].span_C.points.size() < 2
-                                       ? nullptr
-                                       : &truth[static_cast<size_t>(index)].span_C;
+    const scenes::Polyline* span =
+        truth.empty() || truth[index].span_C.points.size() < 2 ? nullptr : &truth[index].span_C;
     write_png(folder / "input_left.png", frame.left);
     write_png(folder / "input_right.png", frame.right);
     Explainer explainer(frame, sequence, span, folder);

@@ -7,10 +7,11 @@
 
 namespace atropos::experiments {
 
-/// Tracks frame `index` again from the state before it and writes what happens inside: input, ridge, mask and
-/// cost pictures of both eyes, the curve after each step, label and energy per node, the truth where there is
-/// one.
+/// Tracks `frame`, number `frame.index` of the sequence, again from the state before it and writes what
+/// happens inside: input, ridge, mask and cost pictures of both eyes, the curve after each step, label and
+/// energy per node, the truth where there is one.
 void explain_frame(tracker::StereoTracker& tracker, const tracker::TrackerState& before,
-                   const Sequence& sequence, int index, const std::filesystem::path& folder);
+                   const Sequence& sequence, const tracker::StereoFrame& frame,
+                   const std::filesystem::path& folder);
 
 }  // namespace atropos::experiments

@@ -23,7 +23,6 @@ constexpr double kForget_m = 0.15;  // way over which the shift becomes another 
 constexpr double kCreep_m_s = 0.001;
 constexpr double kShape_m = 0.00015;  // outline of the pieces against the instrument's
 constexpr double kTurnNoise = 0.1, kTurnNoise_rad = 0.002;
-constexpr int kLearnEvery = 5;      // frames: colours change slowly
 constexpr double kPlayShare = 0.8;  // cables rest near the ends of their play more often than not
 
 /// Where along a profile (px from its middle, outwards) the instrument ends; false without a clear border.
@@ -269,53 +268,6 @@ bool InstrumentSight::look(const std::array<EyeView, 2>& eyes, int number) {
     }
     move(eyes, x_);
     return seen_;
-}
-
-InstrumentSights::InstrumentSights(const scenes::StereoRig& rig, std::vector<InstrumentSight> sights,
-                                   int threads)
-    : rig_(rig), sights_(std::move(sights)), pool_(threads) {
-    eyes_[0] = {&rig_.left, Isometry3d::Identity(), {}, {}};
-    eyes_[1] = {&rig_.right, rig_.X_RC, {}, {}};
-}
-
-void InstrumentSights::label(size_t eye) {
-    eyes_[eye].labels.setTo(0);
-    for (size_t i = 0; i < sights_.size(); ++i)
-        paint(sights_[i].outline(eye), static_cast<int>(i) + 1, eyes_[eye].labels);
-}
-
-void InstrumentSights::learn(size_t eye, const cv::Mat& image) {
-    constexpr int kSure_px = 7, kClear_px = 31;
-    const auto square = [](int size) { return cv::getStructuringElement(cv::MORPH_RECT, {size, size}); };
-    cv::Mat inside, outside;
-    cv::erode(eyes_[eye].labels, inside, square(kSure_px));
-    cv::dilate(eyes_[eye].labels, outside, square(kClear_px));
-    colours_[eye].learn(image, inside, outside == 0);
-}
-
-void InstrumentSights::look(const cv::Mat& left, const cv::Mat& right,
-                            const std::array<ArmReading, kArms>& arms) {
-    const std::array<const cv::Mat*, 2> images = {&left, &right};
-    const int count = static_cast<int>(sights_.size());
-    pool_.run(count, [&](int i) {
-        const auto arm = static_cast<size_t>(i);
-        sights_[arm].predict(arms[arm]);
-        sights_[arm].project(eyes_);
-    });
-    pool_.run(2, [&](int side) {
-        const auto eye = static_cast<size_t>(side);
-        eyes_[eye].labels.create(images[eye]->size(), CV_8U);
-        label(eye);
-        if (!colours_[eye].learned()) learn(eye, *images[eye]);
-        eyes_[eye].probability = colours_[eye].probability(*images[eye]);
-    });
-    pool_.run(count, [&](int i) { sights_[static_cast<size_t>(i)].look(eyes_, i); });
-    if (looks_++ % kLearnEvery != 0) return;
-    pool_.run(2, [&](int side) {
-        const auto eye = static_cast<size_t>(side);
-        label(eye);
-        learn(eye, *images[eye]);
-    });
 }
 
 }  // namespace atropos::experiments

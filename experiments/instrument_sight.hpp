@@ -10,7 +10,6 @@
 #include "experiments/instrument_outline.hpp"
 #include "robot/scissors_input.hpp"
 #include "scenes/stereo_rig.hpp"
-#include "scenes/worker_pool.hpp"
 
 namespace atropos::experiments {
 
@@ -83,30 +82,6 @@ class InstrumentSight {
     cv::Mat own_;  // of one eye: pixels inside the outline
     double support_ = 0.0;
     int tried_ = 0, fitted_ = 0;
-};
-
-/// All instruments in both images, with the colours they share.
-class InstrumentSights {
-  public:
-    InstrumentSights(const scenes::StereoRig& rig, std::vector<InstrumentSight> sights, int threads);
-    InstrumentSights(const InstrumentSights&) = delete;
-    InstrumentSights& operator=(const InstrumentSights&) = delete;
-
-    /// Images are BGR, 8 bit.
-    void look(const cv::Mat& left, const cv::Mat& right, const std::array<ArmReading, kArms>& arms);
-
-    const InstrumentSight& operator[](int arm) const { return sights_[static_cast<size_t>(arm)]; }
-
-  private:
-    void label(size_t eye);
-    void learn(size_t eye, const cv::Mat& image);
-
-    scenes::StereoRig rig_;
-    std::vector<InstrumentSight> sights_;
-    std::array<InstrumentSight::EyeView, 2> eyes_;
-    std::array<InstrumentColours, 2> colours_;
-    scenes::WorkerPool pool_;
-    long looks_ = 0;
 };
 
 }  // namespace atropos::experiments

@@ -1,6 +1,5 @@
 #include "experiments/scissors_pilot.hpp"
 
-#include "robot/imperfection.hpp"
 #include "scenes/scene_file.hpp"
 #include "tracker/cut_check.hpp"
 
@@ -9,9 +8,6 @@ using Eigen::Vector3d;
 using scenes::ThreadEstimate;
 using scenes::TrackStatus;
 namespace {
-
-// One sigma of a tip's error in each axis without the wrist's play: hand-eye and the first three joints.
-constexpr double kCalibratedShift_m = 0.0008, kUncalibratedShift_m = 0.0022;
 
 constexpr double kLearnContrast = 0.2;
 constexpr double kAnyJump_m = 0.1;
@@ -58,39 +54,25 @@ robot::ScissorsOptions scissors_options(const scenes::SceneConfig& scene) {
 }
 
 ScissorsPilot::ScissorsPilot(const scenes::SceneConfig& scene, const scenes::StereoRig& rig,
-                             const ArmReadings& arms,
-                             const std::array<render::InstrumentModel, kArms>& instruments,
+                             const ArmReadings& arms, const InstrumentModels& instruments,
                              robot::PsmArm& scissors, const TrackerMaker& make_tracker)
     : scene_(scene),
       rig_(rig),
-      tracker_(make_tracker ? make_tracker(rig) : tracker::make_tracker(scene.tracking.tracker, rig)) {
+      tracker_(make_tracker ? make_tracker(rig) : tracker::make_tracker(scene.tracking.tracker, rig)),
+      sights_(
+          make_instrument_sights(scene.arms.accuracy, rig_, instruments, scene.tracking.tracker.threads)) {
     robot::ScissorsOptions options = scissors_options(scene_);
     for (size_t end : {0, 1}) options.X_TG[end] = arms[end].psm->tool().X_TG;
-    if (scene_.arms.accuracy != scenes::ArmAccuracy::kPerfect) {
-        const SightPrior prior{scene_.arms.accuracy == scenes::ArmAccuracy::kUncalibrated
-                                   ? kUncalibratedShift_m
-                                   : kCalibratedShift_m,
-                               robot::Imperfection::of(scene_.arms.accuracy).play};
-        std::vector<InstrumentSight> sights;
-        for (const render::InstrumentModel& instrument : instruments) sights.emplace_back(instrument, prior);
-        sights_ = std::make_unique<InstrumentSights>(rig_, std::move(sights), scene.tracking.tracker.threads);
-    }
     command_ = std::make_unique<robot::ScissorsCommand>(options, scissors, arms[kScissorsArm].X_CB);
 }
 
 /// Finds each instrument in the images; the tracker gets instruments and grips where they are seen.
 void ScissorsPilot::look_at_instruments(tracker::StereoFrame& frame, const ArmReadings& arms) {
-    if (sights_) sights_->look(frame.left, frame.right, arms);
-    for (int arm = 0; arm < kArms; ++arm) {
-        const auto index = static_cast<size_t>(arm);
-        const auto capsules = sights_ ? (*sights_)[arm].capsules_C() : arms[index].capsules_C();
-        frame.instruments.insert(frame.instruments.end(), capsules.begin(), capsules.end());
-        if (arm == kScissorsArm || scene_.tracking.tips == scenes::TipSource::kNone) continue;
-        const Vector3d seen_C = sights_ ? (*sights_)[arm].X_CT() * arms[index].psm->tool().X_TG.translation()
-                                        : arms[index].grip_C();
-        frame.tips[index] = tracker::MeasuredTip{told_tips_C_ ? (*told_tips_C_)[index] : seen_C,
-                                                 tracker::MeasuredTip::Kind::kHeld};
-    }
+    const std::array<Vector3d, kArms> grips_C = add_instruments(sights_.get(), arms, frame);
+    if (scene_.tracking.tips == scenes::TipSource::kNone) return;
+    for (size_t end : {0, 1})
+        frame.tips[end] = tracker::MeasuredTip{told_tips_C_ ? (*told_tips_C_)[end] : grips_C[end],
+                                               tracker::MeasuredTip::Kind::kHeld};
 }
 
 void ScissorsPilot::remember_whole(const tracker::StereoFrame& frame, const ThreadEstimate& estimate) {

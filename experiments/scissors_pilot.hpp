@@ -7,14 +7,12 @@
 #include <vector>
 
 #include "experiments/arm_reading.hpp"
-#include "experiments/instrument_sight.hpp"
+#include "experiments/instrument_sights.hpp"
 #include "robot/scissors_command.hpp"
 #include "scenes/scene_config.hpp"
 #include "tracker/stereo_tracker.hpp"
 
 namespace atropos::experiments {
-
-using ArmReadings = std::array<ArmReading, kArms>;
 
 /// Makes a tracker for its rig.
 using TrackerMaker = std::function<std::unique_ptr<tracker::StereoTracker>(const scenes::StereoRig&)>;
@@ -29,7 +27,7 @@ class ScissorsPilot {
   public:
     /// `scissors` is the controller of the third arm. Null `make_tracker`: the scene's own.
     ScissorsPilot(const scenes::SceneConfig& scene, const scenes::StereoRig& rig, const ArmReadings& arms,
-                  const std::array<render::InstrumentModel, kArms>& instruments, robot::PsmArm& scissors,
+                  const InstrumentModels& instruments, robot::PsmArm& scissors,
                   const TrackerMaker& make_tracker = nullptr);
 
     void substitute(EstimateSubstitute substitute) { substitute_ = std::move(substitute); }

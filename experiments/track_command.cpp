@@ -13,7 +13,7 @@
 #include "experiments/overlay.hpp"
 #include "experiments/picture_file.hpp"
 #include "experiments/progress_meter.hpp"
-#include "experiments/sequence.hpp"
+#include "experiments/sequence_arms.hpp"
 #include "experiments/track_writer.hpp"
 #include "experiments/version.hpp"
 #include "experiments/video_writer.hpp"
@@ -85,6 +85,9 @@ int track(const TrackOptions& options) {
     const std::unique_ptr<tracker::StereoTracker> tracker =
         external ? make_external_tracker(options.external, sequence.rig(), log, options.common.quiet)
                  : tracker::make_tracker(scene.tracking.tracker, sequence.rig());
+    const bool refined = !external && scene.tracking.tracker.method == scenes::TrackerMethod::kRefined;
+    const std::unique_ptr<SequenceArms> arms =  // the paper's trackers know no instruments
+        refined ? SequenceArms::open(sequence, sequence.rig(), options.common.threads) : nullptr;
     if (options.explain >= sequence.frames())
         throw FileError("--explain", fmt::format("{} is beyond the last frame, {}", options.explain,
                                                  sequence.frames() - 1));
@@ -97,8 +100,10 @@ int track(const TrackOptions& options) {
     ProgressMeter meter("track", frames, options.common.quiet);
     tracker::TrackerState before;
     KnotEnds knots;
+    tracker::StereoFrame frame;
     for (int i = 0; i < frames; ++i) {
-        tracker::StereoFrame frame = sequence.frame(i);
+        frame = sequence.frame(i);
+        if (arms) arms->add_to(frame, i);
         knots.place(frame);
         before = tracker->state();
         const tracker::TrackResult& result = tracker->track(frame);
@@ -120,8 +125,7 @@ int track(const TrackOptions& options) {
         meter.advance();
     }
     if (video) video->close();
-    if (options.explain >= 0)
-        explain_frame(*tracker, before, sequence, options.explain, output.path() / "explain");
+    if (options.explain >= 0) explain_frame(*tracker, before, sequence, frame, output.path() / "explain");
     writer.write(output.path(), track_meta(sequence, scene, options.external.command));
     if (external) write_file(output.path() / "tracker.log", log);
     output.commit();

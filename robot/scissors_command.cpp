@@ -56,7 +56,6 @@ ScissorsCommand::ScissorsCommand(const ScissorsOptions& options, PsmArm& arm, co
       thread_(options),
       blade_(options, with_blades(arm), X_CB),
       pursuit_(pursuit_options(options), setpoint_X_CS()),
-      parked_q_(arm.goal()),
       parked_jaw_rad_(arm.jaw_goal_rad()),
       parked_X_CS_(setpoint_X_CS()) {
     options.check();

@@ -71,7 +71,6 @@ class ScissorsCommand {
     CutPlan plan_;
     ScissorsStatus status_;
 
-    Joints parked_q_;
     double parked_jaw_rad_;
     Eigen::Isometry3d parked_X_CS_;
     double open_jaw_rad_;

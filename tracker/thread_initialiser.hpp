@@ -4,8 +4,7 @@
 #include <vector>
 
 #include "scenes/worker_pool.hpp"
-#include "tracker/discrete_search.hpp"
-#include "tracker/stereo_tracker.hpp"
+#include "tracker/start_descent.hpp"
 
 namespace atropos::tracker {
 
@@ -17,10 +16,8 @@ std::vector<Eigen::Vector3d> straight_line(int degree, int control_points, const
 /// from far-reaching labels and distances to near ones. The thread's length is used where `config` gives one;
 /// otherwise the curve keeps an even speed of any length. nullopt when an end isn't measured or no thread is
 /// seen. `levels`: of five, each finer than the one before; the fourth leaves the curve within some pixels.
-std::optional<std::vector<Eigen::Vector3d>> initial_curve_between_tips(const scenes::TrackerConfig& config,
-                                                                       const scenes::StereoRig& rig,
-                                                                       const StereoFrame& frame,
-                                                                       scenes::WorkerPool& pool,
-                                                                       std::size_t levels = 5);
+std::optional<std::vector<Eigen::Vector3d>> initial_curve_between_tips(
+    const scenes::TrackerConfig& config, const scenes::StereoRig& rig, const StereoFrame& frame,
+    scenes::WorkerPool& pool, std::size_t levels = StartDescent::kLevels);
 
 }  // namespace atropos::tracker

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "experiments/endoscope_view.hpp"
-#include "experiments/instrument_sight.hpp"
+#include "experiments/instrument_sights.hpp"
 #include "experiments/testbed.hpp"
 #include "robot/imperfection.hpp"
 #include "scenes/scene_file.hpp"
@@ -52,10 +52,7 @@ void add_seed(int seed, Rows& rows) {
         scenes::load_scene(ATROPOS_SCENES "/auto_scissors.yaml", {"seed=" + std::to_string(seed)});
     Testbed testbed(scene);
     EndoscopeView endoscope(testbed);
-    const SightPrior prior{0.0008, robot::Imperfection::of(scene.arms.accuracy).play};
-    std::vector<InstrumentSight> each;
-    for (const auto& instrument : endoscope.instruments()) each.emplace_back(instrument, prior);
-    InstrumentSights sights(testbed.told_rig(), std::move(each), 1);
+    InstrumentSights sights(testbed.told_rig(), endoscope.instruments(), sight_prior(scene.arms.accuracy), 1);
     for (int tick = 0, picture = 0; picture < kPictures; ++tick) {
         if (tick == std::lround(1e3 * picture / 30.0)) {
             const View view = endoscope.capture(testbed, picture++);

@@ -1,10 +1,9 @@
-#include "experiments/instrument_sight.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "experiments/endoscope_view.hpp"
+#include "experiments/instrument_sights.hpp"
 #include "experiments/testbed.hpp"
 #include "robot/imperfection.hpp"
 #include "scenes/scene_file.hpp"
@@ -28,10 +27,8 @@ GripErrors grip_errors(int seeds) {
             scenes::load_scene(ATROPOS_SCENES "/auto_scissors.yaml", {"seed=" + std::to_string(900 + seed)});
         Testbed testbed(scene);
         EndoscopeView endoscope(testbed);
-        const SightPrior prior{0.0008, robot::Imperfection::of(scene.arms.accuracy).play};
-        std::vector<InstrumentSight> sight;
-        for (const auto& instrument : endoscope.instruments()) sight.emplace_back(instrument, prior);
-        InstrumentSights sights(testbed.told_rig(), std::move(sight), 2);
+        InstrumentSights sights(testbed.told_rig(), endoscope.instruments(), sight_prior(scene.arms.accuracy),
+                                2);
         for (int tick = 0, frame = 0; tick <= 1000; ++tick) {
             if (tick == std::lround(1e3 * frame / 30.0)) {
                 const View view = endoscope.capture(testbed, frame++);
