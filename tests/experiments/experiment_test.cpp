@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <map>
 #include <set>
 #include <thread>
 
@@ -9,6 +10,7 @@
 #include "experiments/job_pool.hpp"
 #include "experiments/result_tables.hpp"
 #include "scenes/file_error.hpp"
+#include "scenes/scene_file.hpp"
 #include "tests/experiments/temporary_folder.hpp"
 
 namespace atropos::experiments {
@@ -106,6 +108,27 @@ TEST_F(ExperimentPlanTest, names_the_line_of_what_is_wrong) {
     EXPECT_THAT(error("table: {rows: nothing}\n"), HasSubstr("no factor 'nothing'"));
     EXPECT_THAT(error("table: {metrics: [acuracy_3d_mm]}\n"), HasSubstr("nearest known is 'accuracy_3d_mm'"));
     EXPECT_THAT(error("set: {accel: 0}\n"), HasSubstr("expected a number from 1"));
+}
+
+TEST(CutScenes, are_the_shipped_scenes) {
+    const ExperimentPlan p = load_experiment(ATROPOS_EXPERIMENTS "/cut_scenes.yaml", {});
+    const std::map<std::string, std::string> files = {{"uncalibrated arms", "uncalibrated"},
+                                                      {"occluded", "occluded"},
+                                                      {"fast", "fast"},
+                                                      {"Bullet's soft rope", "bullet_soft"},
+                                                      {"paper", "paper"}};
+    std::set<std::string> compared;
+    for (const Cell& cell : p.cells) {
+        const auto file = files.find(cell.levels.at("case"));
+        if (file == files.end() || cell.seed != 1) continue;
+        scenes::SceneConfig shipped =
+            scenes::load_scene(ATROPOS_SCENES "/auto_scissors_" + file->second + ".yaml");
+        const scenes::SceneConfig& ran = p.jobs[cell.job].scene;
+        shipped.name = ran.name;
+        EXPECT_EQ(scenes::to_yaml(ran), scenes::to_yaml(shipped)) << file->second;
+        compared.insert(file->second);
+    }
+    EXPECT_EQ(compared.size(), files.size());
 }
 
 TEST(WilsonInterval, agrees_with_published_values) {

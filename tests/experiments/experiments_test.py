@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The program from outside: batches of experiments. Usage: experiments_test.py PROGRAM [unittest arguments]. Standard library only."""
-import json, pathlib, subprocess, time, unittest
+import json, pathlib, shutil, subprocess, time, unittest
 
 from program import Folder, atropos, files_of
 
@@ -72,6 +72,23 @@ class Experiments(Folder):
         atropos(*begin, disk / "out", "--resume", check=0)
         atropos(*begin, self.folder / "undisturbed", check=0)
         self.assertSameFolders(self.folder / "undisturbed", disk / "out")
+
+    def test_goes_on_where_a_vanished_input_stopped_it(self):
+        atropos("generate", self.folder / "tiny.yaml", "-o", self.folder / "recorded", "--layers", "none", "--quiet", check=0)
+        recording, away, take_away = self.folder / "recording.csv", self.folder / "away.csv", self.folder / "take_away"
+        shutil.copy(self.folder / "recorded/sequence_000000/kinematics.csv", recording)
+        self.experiment.write_text("scene: tiny.yaml\nseeds: 2\nset: {arms.PSM1: {motion: replay, recording: {file: %s}}}\ntrackers:\n"
+                                   "  theirs: {command: 'rm %s && mv %s %s; exit 1'}\n" % (recording, take_away, recording, away))
+        begin = ["experiment", self.experiment, "--quiet", "-o"]
+        take_away.write_text("")
+        self.assertOneLine(atropos(*begin, self.folder / "out"), "recording.csv")
+        finished = list(self.folder.glob("out/jobs/*/result.json"))
+        self.assertEqual(len(finished), 1, "the first seed's job is kept")
+        self.assertFalse(any(".partial" in name for name in files_of(self.folder / "out")))
+        away.rename(recording)
+        atropos(*begin, self.folder / "out", "--resume", check=0)
+        atropos(*begin, self.folder / "undisturbed", check=0)
+        self.assertSameFolders(self.folder / "undisturbed", self.folder / "out")
 
     def test_judges_a_reprojected_track_against_the_spline_it_shows(self):
         self.experiment.write_text("scene: tiny.yaml\nset: {tracker: {tips: exact, method: e2}, camera.width_px: 640}\n"
