@@ -42,7 +42,8 @@ std::string describe_cost(const ExperimentPlan& plan, int processes) {
         }
         const int frames = (frames_of(job.scene) + job.accel - 1) / job.accel;
         tracked += frames;
-        core_s += frames * kRates.track_s * size_factor(job.scene);
+        const bool refined = job.scene.tracking.tracker.method == scenes::TrackerMethod::kRefined;
+        core_s += frames * (refined ? kRates.refined_s : kRates.track_s) * size_factor(job.scene);
         if (job.kind == JobSpec::Kind::kRun) core_s += sequence.core_s;
     }
     return fmt::format(

@@ -13,7 +13,8 @@ struct CostRates {
     double physics_s_per_s = 0.4;  ///< of simulated time
     double picture_s = 0.091;      ///< a stereo pair: drawn, developed, written
     double layers_s = 0.027;       ///< depth, mask and coverage of both eyes
-    double track_s = 0.027;        ///< a stereo pair read and tracked; e1, e2 and refined hardly differ
+    double track_s = 0.027;        ///< a stereo pair read and tracked by e1 or e2
+    double refined_s = 0.038;      ///< by refined, which looks for the instruments too
     double pictures_mb = 0.73;
     double layers_mb = 0.32;
 };
