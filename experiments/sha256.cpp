@@ -47,31 +47,49 @@ void compress(std::array<std::uint32_t, 8>& state, const unsigned char* bytes) {
     for (size_t i = 0; i < 8; ++i) state[i] += added[i];
 }
 
+/// Of bytes that come in pieces, all but the last in whole blocks.
+class Digest {
+  public:
+    static constexpr std::size_t kBlock = 64;
+
+    void add_blocks(std::string_view bytes) {
+        for (std::size_t at = 0; at < bytes.size(); at += kBlock)
+            compress(state_, reinterpret_cast<const unsigned char*>(bytes.data()) + at);
+        count_ += bytes.size();
+    }
+    std::string finish(std::string_view bytes) {
+        const std::size_t whole = bytes.size() / kBlock * kBlock;
+        add_blocks(bytes.substr(0, whole));
+        std::string tail(bytes.substr(whole));
+        const std::uint64_t bits = (count_ + tail.size()) * 8;
+        tail += '\x80';
+        while (tail.size() % kBlock != 56) tail += '\0';
+        for (int shift = 56; shift >= 0; shift -= 8) tail += static_cast<char>(bits >> shift);
+        add_blocks(tail);
+        std::string text;
+        for (const std::uint32_t word : state_) text += fmt::format("{:08x}", word);
+        return text;
+    }
+
+  private:
+    std::array<std::uint32_t, 8> state_ = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
+                                           0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
+    std::uint64_t count_ = 0;
+};
+
 }  // namespace
 
 std::string sha256(std::string_view bytes) {
-    std::array<std::uint32_t, 8> state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
-                                          0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
-    const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
-    const std::size_t whole = bytes.size() / 64 * 64;
-    for (std::size_t at = 0; at < whole; at += 64) compress(state, data + at);
-    std::string tail(bytes.substr(whole));
-    tail += '\x80';
-    while (tail.size() % 64 != 56) tail += '\0';
-    const std::uint64_t bits = std::uint64_t{bytes.size()} * 8;
-    for (int shift = 56; shift >= 0; shift -= 8) tail += static_cast<char>(bits >> shift);
-    for (std::size_t at = 0; at < tail.size(); at += 64)
-        compress(state, reinterpret_cast<const unsigned char*>(tail.data()) + at);
-    std::string text;
-    for (const std::uint32_t word : state) text += fmt::format("{:08x}", word);
-    return text;
+    return Digest().finish(bytes);
 }
 
 std::string sha256_of_file(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
-    const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-    if (!stream) throw scenes::FileError(file.string(), "can't be read");
-    return sha256(bytes);
+    std::string piece(1024 * Digest::kBlock, '\0');
+    Digest digest;
+    while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size()))) digest.add_blocks(piece);
+    if (!stream.eof()) throw scenes::FileError(file.string(), "can't be read");
+    return digest.finish(std::string_view(piece).substr(0, static_cast<std::size_t>(stream.gcount())));
 }
 
 }  // namespace atropos::experiments

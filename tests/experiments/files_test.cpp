@@ -34,6 +34,7 @@ class OutputFolderTest : public TemporaryFolder {};
 class CsvFileTest : public TemporaryFolder {};
 class PictureFileTest : public TemporaryFolder {};
 class TrackReaderTest : public TemporaryFolder {};
+class ChecksumTest : public TemporaryFolder {};
 
 TEST_F(OutputFolderTest, appears_whole_or_not_at_all) {
     {
@@ -76,6 +77,14 @@ TEST_F(CsvFileTest, refuses_other_columns_and_short_rows) {
     EXPECT_THAT(error_of([&] { CsvFile::read(write("a.csv", "a,b\n1\n"), "a,b"); }),
                 HasSubstr("a.csv:2: 1 fields, expected 2"));
     EXPECT_THAT(error_of([&] { CsvFile::read(folder_ / "none.csv", "a,b"); }), HasSubstr("no such file"));
+}
+
+TEST_F(ChecksumTest, of_a_file_is_that_of_its_bytes_whatever_its_length) {
+    for (const std::size_t size : {0, 1, 63, 64, 65535, 65536, 65537, 200000}) {
+        std::string bytes(size, ' ');
+        for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<char>(i * 31 % 251);
+        EXPECT_EQ(sha256_of_file(write("bytes", bytes)), sha256(bytes)) << size;
+    }
 }
 
 TEST(Sha256, agrees_with_the_standards_examples) {
