@@ -14,6 +14,7 @@
 #include "experiments/picture_file.hpp"
 #include "experiments/progress_meter.hpp"
 #include "experiments/sequence_arms.hpp"
+#include "experiments/thread_starter.hpp"
 #include "experiments/track_writer.hpp"
 #include "experiments/version.hpp"
 #include "experiments/video_writer.hpp"
@@ -30,6 +31,7 @@ struct TrackOptions {
     bool overlay = false;
     int explain = -1;
     ExternalTrackerOptions external;
+    std::vector<double> seed_point;  ///< u, v in the left image, px; empty = none
     CommonOptions common;
 };
 
@@ -88,6 +90,9 @@ int track(const TrackOptions& options) {
     const bool refined = !external && scene.tracking.tracker.method == scenes::TrackerMethod::kRefined;
     const std::unique_ptr<SequenceArms> arms =  // the paper's trackers know no instruments
         refined ? SequenceArms::open(sequence, sequence.rig(), options.common.threads) : nullptr;
+    std::optional<Eigen::Vector2d> seed_px;
+    if (options.seed_point.size() == 2) seed_px = {options.seed_point[0], options.seed_point[1]};
+    ThreadStarter starter(scene.tracking.tracker, sequence.rig(), seed_px);
     if (options.explain >= sequence.frames())
         throw FileError("--explain", fmt::format("{} is beyond the last frame, {}", options.explain,
                                                  sequence.frames() - 1));
@@ -106,7 +111,9 @@ int track(const TrackOptions& options) {
         if (arms) arms->add_to(frame, i);
         knots.place(frame);
         before = tracker->state();
-        const tracker::TrackResult& result = tracker->track(frame);
+        // Other people's trackers start themselves.
+        const tracker::TrackResult& result =
+            external ? tracker->track(frame) : starter.track(*tracker, frame);
         knots.learn(frame, result.estimate);
         writer.add(result);
         writer.add_state(tracker->state());
@@ -148,6 +155,11 @@ void add_track_command(CLI::App& program, Command& chosen) {
     app->add_option("--explain", options->explain, "write every step of this frame as pictures and tables")
         ->type_name("FRAME");
     add_external_tracker_options(*app, options->external);
+    app->add_option("--seed-point", options->seed_point,
+                    "a point of the thread in the first left picture, where no ends are measured")
+        ->type_name("U,V")
+        ->delimiter(',')
+        ->expected(2);
     add_common_options(*app, options->common);
     app->footer("Example: atropos track results/data/sequence_000000 -o results/track --method e2 --overlay");
     app->callback([&chosen, options] { chosen = [options] { return track(*options); }; });

@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
+#include "experiments/track_reader.hpp"
 #include "scenes/calibration_file.hpp"
 #include "tests/experiments/temporary_folder.hpp"
 #include "tests/support/synthetic_sequence.hpp"
@@ -15,6 +16,7 @@ namespace atropos::experiments {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -46,6 +48,29 @@ class TrackCommandTest : public TemporaryFolder {
         }
         write("sequence/tips.csv", tips.str());
         return folder;
+    }
+
+    /// The same without instruments on even ground, and no end measured.
+    void bare_sequence(int frames) const {
+        sequence(frames);
+        fs::remove(folder_ / "sequence/tips.csv");
+        for (int i = 0; i < frames; ++i) show_bare(i, 7);
+    }
+
+    void show_bare(int frame, std::uint64_t seed) const {
+        const support::SyntheticSequence drawn(
+            {.seed = seed, .rig = kRig, .clutter = false, .instruments = false});
+        const support::SyntheticFrame images = drawn.frame(frame);
+        cv::imwrite(picture("left", frame), images.left);
+        cv::imwrite(picture("right", frame), images.right);
+    }
+
+    /// The status of each frame.
+    std::vector<std::string> statuses() const {
+        std::vector<std::string> list;
+        for (const TrackedFrame& frame : read_track(folder_ / "track"))
+            list.emplace_back(scenes::to_string(frame.estimate.status));
+        return list;
     }
 
     std::string picture(const std::string& eye, int frame) const {
@@ -161,6 +186,36 @@ TEST_F(TrackCommandTest, tracks_a_sequence_of_one_frame) {
         EXPECT_EQ(std::count(curve.begin(), curve.end(), '\n'), 102);
         EXPECT_THAT(curve, Not(HasSubstr("nan")));
     }
+}
+
+TEST_F(TrackCommandTest, finds_a_thread_of_which_no_end_is_measured_and_finds_it_elsewhere_once_lost) {
+    constexpr int kFrames = 30;
+    bare_sequence(kFrames);
+    for (int i = 1; i + 2 < kFrames; ++i)
+        for (const char* eye : {"left", "right"})
+            cv::imwrite(picture(eye, i), cv::Mat1b(180, 320, std::uint8_t{150}));
+    for (const int i : {kFrames - 2, kFrames - 1}) show_bare(i, 3);
+    for (const char* method : {"e2", "refined"}) {
+        EXPECT_EQ(track(std::string("--force --method ") + method).status, 0);
+        const std::vector<std::string> status = statuses();
+        ASSERT_EQ(status.size(), static_cast<std::size_t>(kFrames));
+        EXPECT_EQ(status.front(), "tracking") << method;
+        EXPECT_NE(status[kFrames - 3], "tracking") << method;
+        EXPECT_EQ(status[kFrames - 2], "tracking") << method;
+        EXPECT_EQ(status.back(), "tracking") << method;
+    }
+}
+
+TEST_F(TrackCommandTest, starts_only_at_the_given_point) {
+    bare_sequence(1);
+    const support::SyntheticSequence drawn({.seed = 7, .rig = kRig});
+    const Eigen::Vector2d on = kRig.project_left(drawn.truth(0).point_at(0.03));
+    const auto at = [&](double u, double v) {
+        EXPECT_EQ(track("--force --seed-point " + std::to_string(u) + "," + std::to_string(v)).status, 0);
+        return statuses();
+    };
+    EXPECT_THAT(at(on.x(), on.y()), ElementsAre("tracking"));
+    EXPECT_THAT(at(2.0, 2.0), ElementsAre("lost"));
 }
 
 TEST_F(TrackCommandTest, gives_the_same_bytes_without_the_truth) {

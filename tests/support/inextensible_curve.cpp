@@ -1,6 +1,7 @@
 #include "tests/support/inextensible_curve.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -82,7 +83,7 @@ scenes::Polyline InextensibleCurve::at_phase(double phase, int segments) const {
     line.points.push_back(p);
     for (int i = 0; i < segments; ++i) {
         const double t = (i + 0.5) / segments;
-        double yaw = options_.turning_rad * (t - 0.5);
+        double yaw = options_.turning_rad * std::clamp((t - 0.5) / options_.turning_share, -0.5, 0.5);
         double pitch = 0.0;
         for (std::size_t m = 0; m < kModes; ++m) {
             const double shape = std::cos(std::numbers::pi * static_cast<double>(m + 1) * t);

@@ -13,10 +13,11 @@ struct InextensibleCurveOptions {
     std::uint64_t seed = 1;
     double length_m = 0.070;
     Eigen::Vector3d centre_C = {0.0, 0.0, 0.100};
-    double heading_rad = 0.7;            ///< of the chord in the image plane, from x
-    double turning_rad = 2.0;            ///< total turn of the resting arc
-    double depth_tilt_rad = 0.25;        ///< resting slope against the image plane
-    double arc_tilt_rad = 0.3;           ///< angle of the arc's plane out of the image plane
+    double heading_rad = 0.7;      ///< of the chord in the image plane, from x
+    double turning_rad = 2.0;      ///< total turn of the resting arc
+    double turning_share = 1.0;    ///< of the length, about the middle, in which it turns: a loop when small
+    double depth_tilt_rad = 0.25;  ///< resting slope against the image plane
+    double arc_tilt_rad = 0.3;     ///< angle of the arc's plane out of the image plane
     double speed_m_per_frame = 0.00013;  ///< mean displacement of a point a frame
     int burst_ratio = 2;                 ///< speed in a burst over the mean; 1 = even
 };

@@ -1,0 +1,82 @@
+#include "tracker/end_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tracker/instrument_shadow.hpp"
+
+namespace atropos::tracker {
+namespace {
+
+/// Whether some line lies ahead of an end that is not the line itself.
+bool leads_on(const ImagePath& path, int end, const std::vector<ImagePath>& pieces,
+              const EndCheckOptions& options) {
+    constexpr double kSelf_px = 4.0;
+    constexpr std::size_t kWorth = 12;  // points of a piece that is more than noise
+    const PathEnd here = path_end(path, end == 0);
+    const auto is_self = [&](const Eigen::Vector2d& px) {
+        return std::any_of(path.points.begin(), path.points.end(),
+                           [&](const RidgePoint& p) { return (p.px - px).norm() < kSelf_px; });
+    };
+    for (const ImagePath& piece : pieces) {
+        if (piece.points.size() < kWorth) continue;
+        for (const RidgePoint& point : piece.points) {
+            const Eigen::Vector2d step = point.px - here.p;
+            if (step.norm() < options.ahead_px && angle_between(step, here.out) < options.aside_rad &&
+                !is_self(point.px))
+                return true;
+        }
+    }
+    return false;
+}
+
+/// Whether the line passes its own end: it may cross itself in what is hidden.
+bool passes_itself(const ImagePath& path, int end) {
+    constexpr double kNear_px = 15.0, kApart_px = 60.0;
+    const std::vector<double> arc = path.arc_lengths_px();
+    const double s = end == 0 ? 0.0 : arc.back();
+    for (std::size_t i = 0; i < arc.size(); ++i)
+        if (std::abs(arc[i] - s) > kApart_px && (path.points[i].px - path.end(end).px).norm() < kNear_px)
+            return true;
+    return false;
+}
+
+}  // namespace
+
+std::array<bool, 2> ends_are_plain(const RectifiedView& view, const std::array<ImagePath, 2>& path,
+                                   bool turned, const std::array<EyeLines, 2>& eyes,
+                                   const EndCheckOptions& options) {
+    const RectifiedPath left = view.path(path[0], 0, 2.0), right = view.path(path[1], 1, 1.0);
+    PairingOptions pairing_options;
+    pairing_options.row_sigma_px = 1.2;
+    pairing_options.largest_row_px = 3.0;
+    const Pairing pairing = pair_paths(view, left, right, 0.0, turned, pairing_options);
+    const auto paired = [](int j) { return j >= 0; };
+    const auto first = std::find_if(pairing.right.begin(), pairing.right.end(), paired);
+    if (first == pairing.right.end()) return {false, false};
+    const auto last = std::find_if(pairing.right.rbegin(), pairing.right.rend(), paired);
+    const double tail[2][2] = {
+        {left.arc_px[static_cast<std::size_t>(first - pairing.right.begin())],
+         left.arc_px.back() - left.arc_px[static_cast<std::size_t>(pairing.right.rend() - last - 1)]},
+        {right.arc_px[static_cast<std::size_t>(pairing.right_begin)],
+         right.arc_px.back() - right.arc_px[static_cast<std::size_t>(pairing.right_end - 1)]}};
+    std::array<bool, 2> plain{};
+    for (int end = 0; end < 2; ++end) {
+        bool hidden = false, leaves = false, on = false, itself = false;
+        double longest = 0.0;
+        for (int eye = 0; eye < 2; ++eye) {
+            const std::size_t k = static_cast<std::size_t>(eye);
+            const int at = eye == 1 && turned ? 1 - end : end;
+            hidden |= near_hidden(eyes[k].map, path[k].end(at).px, options.hidden_px);
+            leaves |= path[k].leaves_image(at, eyes[k].map.width, eyes[k].map.height);
+            on |= leads_on(path[k], at, eyes[k].pieces, options);
+            itself |= passes_itself(path[k], at);
+            longest = std::max(longest, tail[eye][at]);
+        }
+        plain[static_cast<std::size_t>(end)] =
+            leaves || (longest < options.tail_px && (hidden || !on) && !itself);
+    }
+    return plain;
+}
+
+}  // namespace atropos::tracker
