@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 
 #include "tracker/stereo_tracker.hpp"
@@ -8,8 +9,9 @@
 
 namespace atropos::experiments {
 
-/// Where no end is measured, a tracker that has no curve gets the one the finder sees, in the first frame and
-/// again whenever the thread is lost or long out of sight; never one that the finder doubts.
+/// Where no end is measured, the finder looks at every frame: a tracker that has no curve gets the one it
+/// sees, in the first frame and again whenever the thread is lost or long out of sight, and one that has gets
+/// its ends. Never what the finder doubts.
 class ThreadStarter {
   public:
     /// `seed_px`: near which point of the left image the thread runs when it is first looked for.
@@ -20,12 +22,14 @@ class ThreadStarter {
     const tracker::TrackResult& track(tracker::StereoTracker& tracker, const tracker::StereoFrame& frame);
 
   private:
+    tracker::StereoFrame with_ends(const tracker::StereoFrame& frame, const tracker::FoundThread& found);
     tracker::NurbsCurve fitting(const tracker::NurbsCurve& curve) const;
 
     scenes::TrackerConfig config_;
     tracker::ThreadFinder finder_;
     std::optional<Eigen::Vector2d> seed_px_;
     int unseen_frames_ = 0;
+    std::optional<std::array<Eigen::Vector3d, 2>> ends_C_;  ///< as last seen
 };
 
 }  // namespace atropos::experiments

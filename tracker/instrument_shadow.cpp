@@ -55,4 +55,14 @@ bool near_hidden(const RidgePointMap& map, const Eigen::Vector2d& px, double rea
                          [&](int u, int v) { return map.index(u, v) == RidgePointMap::kHidden; });
 }
 
+void reach_instruments(ImagePath& path, const RidgePointMap& map, double margin_px) {
+    for (int side = 0; side < 2; ++side) {
+        path.reverse();  // both ends in turn, and as it was in the end
+        if (!near_hidden(map, path.points.back().px, 3.0)) continue;
+        const PathEnd end = path_end(path, false);
+        for (int i = 1; i <= static_cast<int>(margin_px); ++i)
+            path.points.push_back({end.p + i * end.out, end.out, 0.0});
+    }
+}
+
 }  // namespace atropos::tracker

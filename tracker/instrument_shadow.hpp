@@ -5,6 +5,7 @@
 
 #include "scenes/camera.hpp"
 #include "scenes/capsule.hpp"
+#include "tracker/image_path.hpp"
 #include "tracker/ridge_points.hpp"
 
 namespace atropos::tracker {
@@ -16,5 +17,9 @@ void hide_instruments(std::span<const scenes::Capsule> instruments_C, const scen
 
 /// Whether something hidden lies within `reach_px` of a pixel.
 bool near_hidden(const RidgePointMap& map, const Eigen::Vector2d& px, double reach_px);
+
+/// Takes the ends of a path that lie at what is hidden on through the margin: a thread goes on to the
+/// instrument.
+void reach_instruments(ImagePath& path, const RidgePointMap& map, double margin_px);
 
 }  // namespace atropos::tracker

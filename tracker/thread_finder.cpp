@@ -74,6 +74,7 @@ std::optional<FoundThread> ThreadFinder::find(const StereoFrame& frame,
         std::vector<LineEdges> edges = line_edges(eyes_[eye].image, path, options_.ridge.polarity);
         cut_needles(path, edges, options_.needle_width_ratio);
         centre_between_edges(path, edges);
+        reach_instruments(path, eyes_[eye].map, options_.instrument_margin_px);
     }
     std::optional<FoundThread> found = reconstruct(chosen->path[0], chosen->path[1], chosen->strand.turned);
     if (!found) return found;
