@@ -128,6 +128,97 @@ TEST(RefinedTracker, is_as_good_on_converging_distorted_cameras) {
     EXPECT_LT(error_after(options, 6), 0.0004);
 }
 
+/// A tracker that is told `rig` and `length_m` follows `frames` of what `options` draw.
+struct Told {
+    scenes::StereoRig rig;
+    double length_m;
+};
+struct Outcome {
+    double mean_m = 0.0;  ///< error
+    TrackResult last;
+};
+Outcome outcome_when_told(scenes::TrackerConfig config, const Told& told,
+                          const SyntheticSequenceOptions& options, int frames) {
+    const SyntheticSequence sequence(options);
+    config.thread.length_m = told.length_m;
+    RefinedTracker tracker(config, told.rig);
+    Outcome outcome;
+    for (int i = 0; i < frames; ++i) {
+        const SyntheticFrame drawn = sequence.frame(i);
+        outcome.last = i == 0 ? tracker.start(frame_of(drawn, i), initial_curve(drawn.truth_C))
+                              : tracker.track(frame_of(drawn, i));
+        outcome.mean_m += mean_distance_m(outcome.last.estimate, drawn.truth_C) / frames;
+    }
+    return outcome;
+}
+
+Outcome outcome_when_told(const Told& told, const SyntheticSequenceOptions& options, int frames) {
+    return outcome_when_told(config_for(options), told, options, frames);
+}
+
+scenes::StereoRig with_right_eye_off(scenes::StereoRig rig, const EyeCorrection& error) {
+    rig.right.cy_px -= error.row_px;
+    rig.X_RC = Eigen::AngleAxisd(-error.roll_rad, Eigen::Vector3d::UnitZ()) * rig.X_RC;
+    return rig;
+}
+
+TEST(RefinedTracker, finds_what_the_right_eye_is_off_by_in_rows_and_roll) {
+    const SyntheticSequenceOptions options{.seed = 4};
+    const EyeCorrection error{1.5, 0.0035};
+    const Outcome off = outcome_when_told({with_right_eye_off(options.rig, error), 0.070}, options, 20);
+    EXPECT_NEAR(off.last.eye_correction.row_px, error.row_px, 0.2 * error.row_px);
+    EXPECT_NEAR(off.last.eye_correction.roll_rad, error.roll_rad, 0.2 * error.roll_rad);
+    EXPECT_LT(off.last.eye_sigmas.row_px, 0.2);
+    const double trusted_m = [&] {
+        scenes::TrackerConfig config = config_for(options);
+        config.refined.row_sigma_px = config.refined.roll_sigma_rad = 0.0;
+        return outcome_when_told(config, {with_right_eye_off(options.rig, error), 0.070}, options, 20).mean_m;
+    }();
+    EXPECT_LT(off.mean_m, 0.5 * trusted_m);
+}
+
+TEST(RefinedTracker, trusts_a_calibration_that_nothing_speaks_against) {
+    const SyntheticSequenceOptions options{.seed = 3};
+    const Outcome right = outcome_when_told({options.rig, 0.070}, options, 10);
+    EXPECT_LT(std::abs(right.last.eye_correction.row_px), 0.1);
+    EXPECT_LT(std::abs(right.last.eye_correction.roll_rad), 0.0003);
+    EXPECT_LT(right.mean_m, 0.0003);
+}
+
+TEST(RefinedTracker, finds_the_length_of_a_thread_that_is_said_to_be_a_tenth_longer_or_shorter) {
+    const SyntheticSequenceOptions options{.seed = 2};
+    const double right_m = outcome_when_told({options.rig, 0.070}, options, 24).mean_m;
+    for (const double told_m : {0.063, 0.077}) {
+        const Outcome wrong = outcome_when_told({options.rig, told_m}, options, 24);
+        EXPECT_NEAR(wrong.last.estimate.length_m(), 0.070, 0.02 * 0.070) << told_m;
+        EXPECT_LT(wrong.mean_m, 1.5 * right_m) << told_m;
+    }
+}
+
+TEST(RefinedTracker, follows_the_length_of_a_thread_that_is_paid_out) {
+    const SyntheticSequenceOptions options{.seed = 2, .paid_out_m = 0.0001};
+    const Outcome paid = outcome_when_told({options.rig, 0.070}, options, 40);
+    EXPECT_NEAR(paid.last.estimate.length_m(), 0.0739, 0.02 * 0.0739);
+    EXPECT_LT(paid.mean_m, 0.0002);
+}
+
+TEST(RefinedTracker, sees_where_a_thread_ends_that_nothing_holds) {
+    const SyntheticSequenceOptions options{.seed = 2, .free_end = true};
+    const SyntheticSequence sequence(options);
+    scenes::TrackerConfig config = config_for(options);
+    config.thread.length_m = 0.077;  // a tenth too long
+    RefinedTracker tracker(config, options.rig);
+    for (int i = 0; i < 24; ++i) {
+        const SyntheticFrame drawn = sequence.frame(i);
+        StereoFrame frame = frame_of(drawn, i);
+        frame.tips[1].reset();
+        const TrackResult& result =
+            i == 0 ? tracker.start(frame, initial_curve(drawn.truth_C)) : tracker.track(frame);
+        if (i < 23) continue;
+        EXPECT_LT((result.estimate.samples.back().p_C - drawn.truth_C.points.back()).norm(), 0.0015);
+    }
+}
+
 TEST(RefinedTracker, goes_on_from_a_stored_state_as_if_it_had_never_stopped) {
     const SyntheticSequenceOptions options{.seed = 34};
     const SyntheticSequence sequence(options);
