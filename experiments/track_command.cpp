@@ -2,7 +2,6 @@
 
 #include <fstream>
 #include <memory>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "experiments/commands.hpp"
@@ -71,15 +70,6 @@ nlohmann::ordered_json track_meta(const Sequence& sequence, const scenes::SceneC
     return meta;
 }
 
-/// What the right eye was found to be off by against the sequence's calibration, with one sigma.
-nlohmann::ordered_json calibration_found(const tracker::TrackResult& result) {
-    constexpr double kDegrees = 180.0 / std::numbers::pi;
-    return {{"right_row_offset_px", result.eye_correction.row_px},
-            {"right_row_offset_sigma_px", result.eye_sigmas.row_px},
-            {"right_roll_deg", kDegrees * result.eye_correction.roll_rad},
-            {"right_roll_sigma_deg", kDegrees * result.eye_sigmas.roll_rad}};
-}
-
 void print_labels(const scenes::TrackerConfig& config, bool quiet) {
     if (quiet || config.method == scenes::TrackerMethod::kRefined) return;
     fmt::print(stderr, "labels: r {}, s {:.4g} mm, {} steps, {} labels a node\n", config.labels.r,
@@ -116,7 +106,6 @@ int track(const TrackOptions& options) {
     tracker::TrackerState before;
     KnotEnds knots;
     tracker::StereoFrame frame;
-    tracker::TrackResult last;
     for (int i = 0; i < frames; ++i) {
         frame = sequence.frame(i);
         if (arms) arms->add_to(frame, i);
@@ -127,7 +116,6 @@ int track(const TrackOptions& options) {
             external ? tracker->track(frame) : starter.track(*tracker, frame);
         knots.learn(frame, result.estimate);
         writer.add(result);
-        last = result;
         writer.add_state(tracker->state());
         writer.add_timings(tracker->timings());
         if (options.overlay) {
@@ -145,10 +133,7 @@ int track(const TrackOptions& options) {
     }
     if (video) video->close();
     if (options.explain >= 0) explain_frame(*tracker, before, sequence, frame, output.path() / "explain");
-    nlohmann::ordered_json meta = track_meta(sequence, scene, options.external.command);
-    if (scene.tracking.tracker.method == scenes::TrackerMethod::kRefined && !external)
-        meta["calibration"] = calibration_found(last);
-    writer.write(output.path(), meta);
+    writer.write(output.path(), track_meta(sequence, scene, options.external.command));
     if (external) write_file(output.path() / "tracker.log", log);
     output.commit();
     return kDone;

@@ -243,9 +243,6 @@ void visit_tracker(FieldVisitor& v, TrackingConfig& c) {
                  t.refined.tip_bias_sigma_m, {0.0, 50.0});
         v.number({"instrument_sigma_mm", "of measured instruments"}, t.refined.instrument_sigma_m,
                  {0.0, 50.0});
-        v.number({"row_sigma_px", "of the right eye's rows in a calibration that is off, at 640; 0: exact"},
-                 t.refined.row_sigma_px, {0.0, 50.0});
-        v.number({"roll_sigma_deg", "of its turn about its axis"}, t.refined.roll_sigma_rad, {0.0, 10.0});
         v.integer({"coasting_frames", "unseen for longer: lost"}, t.refined.coasting_frames, 0, 100000);
         v.flag({"recovery", "discrete search after a failed loss test"}, t.refined.recovery);
     });

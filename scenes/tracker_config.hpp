@@ -93,14 +93,12 @@ struct TrackerConfig {
         double search_px = 12.0;         ///< across the predicted curve, at 640
         double contrast_levels = 4.0;    ///< grey levels a thread is darker than both of its sides, at least
         double blur_px = 0.65;           ///< standard deviation of optics and pixel
-        double length_sigma_m = 0.0002;  ///< of a `thread.length_m` that is right
+        double length_sigma_m = 0.0002;  ///< of a known `thread.length_m`
         double tip_sigma_m = 0.0003;     ///< of measured ends, what is new in each frame
         double tip_bias_sigma_m = 0.0011;    ///< of measured ends, each axis: the arm's constant error
         double instrument_sigma_m = 0.0007;  ///< of measured instruments: they are taken for two sigma larger
-        double row_sigma_px = 1.0;  ///< of the right eye's rows against its calibration, at 640; 0 = exact
-        double roll_sigma_rad = 0.0035;  ///< of its turn about its axis
-        int coasting_frames = 30;        ///< unseen for longer: lost
-        bool recovery = true;            ///< discrete search after a failed loss test
+        int coasting_frames = 30;            ///< unseen for longer: lost
+        bool recovery = true;                ///< discrete search after a failed loss test
     } refined;
 };
 

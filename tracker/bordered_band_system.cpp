@@ -1,57 +1,39 @@
 #include "tracker/bordered_band_system.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 namespace atropos::tracker {
 
-BorderedBandSystem::BorderedBandSystem(int control_points, int border)
+BorderedBandSystem::BorderedBandSystem(int control_points)
     : n_(3 * control_points),
       A_(static_cast<std::size_t>(n_)),
       L_(static_cast<std::size_t>(n_)),
+      b_(n_),
       g_(n_),
-      B_(n_, border),
-      Y_(n_, border),
-      h_(border),
-      C_(border, border),
-      schur_inverse_(border, border) {
+      y_(n_) {
     set_zero();
 }
 
 void BorderedBandSystem::set_zero() {
     for (auto& row : A_) row.fill(0.0);
+    b_.setZero();
     g_.setZero();
-    B_.setZero();
-    C_.setZero();
-    h_.setZero();
+    c_ = h_ = 0.0;
 }
 
-void BorderedBandSystem::add(int first_control_point, const Block& J, double r, double weight) {
+void BorderedBandSystem::add(int first_control_point, const Block& J, double border_J, double r,
+                             double weight) {
     const int at = 3 * first_control_point;
     for (int i = 0; i < kBand; ++i) {
         const double w = weight * J[i];
         auto& row = A_[static_cast<std::size_t>(at + i)];
         for (int j = 0; j <= i; ++j) row[static_cast<std::size_t>(kBand - 1 - i + j)] += w * J[j];
         g_[at + i] -= w * r;
+        b_[at + i] += w * border_J;
     }
-}
-
-void BorderedBandSystem::add(int first_control_point, const Block& J, const Border& border_J, double r,
-                             double weight) {
-    add(first_control_point, J, r, weight);
-    for (int c = 0; c < border(); ++c) {
-        const double w = weight * border_J[c];
-        if (w == 0.0) continue;
-        B_.col(c).segment<kBand>(3 * first_control_point) += w * J;
-        C_.col(c) += w * border_J;
-        h_[c] -= w * r;
-    }
-}
-
-void BorderedBandSystem::add_border(const BorderMatrix& information, const Border& error) {
-    C_ += information;
-    h_.noalias() -= information * error;
+    c_ += weight * border_J * border_J;
+    h_ -= weight * border_J * r;
 }
 
 bool BorderedBandSystem::factor(double damping) {
@@ -76,8 +58,7 @@ bool BorderedBandSystem::factor(double damping) {
     return true;
 }
 
-template <class Column>
-void BorderedBandSystem::substitute(Column&& x) const {
+void BorderedBandSystem::substitute(Eigen::VectorXd& x) const {
     for (int i = 0; i < n_; ++i) {
         const auto& row = L_[static_cast<std::size_t>(i)];
         double sum = x[i];
@@ -93,34 +74,30 @@ void BorderedBandSystem::substitute(Column&& x) const {
     }
 }
 
-// Factors A and inverts what is left of C without the curve.
-bool BorderedBandSystem::eliminate_curve(double damping) {
+bool BorderedBandSystem::solve(double damping, Eigen::VectorXd& step, double& border_step) {
     if (!factor(damping)) return false;
-    Y_ = B_;
-    for (int c = 0; c < border(); ++c) substitute(Y_.col(c));
-    BorderMatrix schur = C_ - B_.transpose() * Y_;
-    schur.diagonal() += damping * C_.diagonal();
-    const Eigen::LLT<BorderMatrix> llt(schur);
-    if (llt.info() != Eigen::Success) return false;
-    schur_inverse_ = llt.solve(BorderMatrix::Identity(border(), border()));
-    return schur_inverse_.allFinite();
-}
-
-bool BorderedBandSystem::solve(double damping, Eigen::VectorXd& step, Border& border_step) {
-    if (!eliminate_curve(damping)) return false;
     step = g_;
     substitute(step);
-    border_step = schur_inverse_ * (h_ - B_.transpose() * step);
-    step.noalias() -= Y_ * border_step;
-    return step.allFinite() && border_step.allFinite();
+    y_ = b_;
+    substitute(y_);
+    const double schur = c_ * (1.0 + damping) - b_.dot(y_);
+    if (!(schur > 0.0)) return false;
+    border_step = (h_ - b_.dot(step)) / schur;
+    step -= border_step * y_;
+    return step.allFinite() && std::isfinite(border_step);
 }
 
-bool BorderedBandSystem::covariance(Covariance& out) {
-    if (!eliminate_curve(0.0)) return false;
+bool BorderedBandSystem::covariance(Eigen::MatrixXd& covariance, double& border_variance) {
+    if (!factor(0.0)) return false;
+    y_ = b_;
+    substitute(y_);
+    const double schur = c_ - b_.dot(y_);
+    if (!(schur > 0.0)) return false;
+    border_variance = 1.0 / schur;
     // Forward substitution of unit vectors gives L^-1; the inverse is its own transpose times itself.
-    out.curve.setZero(n_, n_);
+    covariance.setZero();
     for (int j = 0; j < n_; ++j) {
-        auto column = out.curve.col(j);
+        auto column = covariance.col(j);
         column[j] = 1.0 / L_[static_cast<std::size_t>(j)][kBand - 1];
         for (int i = j + 1; i < n_; ++i) {
             const auto& row = L_[static_cast<std::size_t>(i)];
@@ -136,9 +113,7 @@ bool BorderedBandSystem::covariance(Covariance& out) {
                 column[k] -= row[static_cast<std::size_t>(kBand - 1 - i + k)] * column[i];
         }
     }
-    out.border = schur_inverse_;
-    out.across.noalias() = -Y_ * schur_inverse_;
-    out.curve.noalias() -= out.across * Y_.transpose();
+    covariance.noalias() += border_variance * y_ * y_.transpose();
     return true;
 }
 

@@ -65,9 +65,8 @@ Bound cramer_rao_bound(const scenes::Polyline& truth_C, const scenes::StereoRig&
 
     CurveProblem problem;
     problem.expected = Q;
-    problem.nuisances.mean.length_m = truth_C.length_m();
-    problem.nuisances.information(Nuisances::kLength, Nuisances::kLength) =
-        1.0 / (options.length_sigma_m * options.length_sigma_m);
+    problem.length_m = truth_C.length_m();
+    problem.length_sigma_m = options.length_sigma_m;
     problem.ends = {end_prior({Q.col(0)}, options.tip_sigma_m),
                     end_prior({Q.col(K - 1)}, options.tip_sigma_m)};
     const OcclusionMask left(instruments_C, Eigen::Vector3d::Zero(), 0.0, 0.0);
@@ -75,8 +74,9 @@ Bound cramer_rao_bound(const scenes::Polyline& truth_C, const scenes::StereoRig&
     measure_ideally(fit, Q, rig, 0, left, options, problem.lines[0]);
     measure_ideally(fit, Q, rig, 1, right, options, problem.lines[1]);
 
-    CurveRefinement::Covariance covariance;
-    if (!fit.covariance(problem, {Q, problem.nuisances.mean}, covariance))
+    Eigen::MatrixXd covariance(3 * K, 3 * K);
+    double length_variance = 0.0;
+    if (!fit.covariance(problem, Q, problem.length_m, covariance, length_variance))
         throw std::runtime_error("the curve is not determined by images and priors, expected one that is");
     Bound bound;
     for (const CubicBasisValues& place : fit.samples()) {
@@ -84,7 +84,7 @@ Bound cramer_rao_bound(const scenes::Polyline& truth_C, const scenes::StereoRig&
         for (int a = 0; a < 4; ++a)
             for (int b = 0; b < 4; ++b)
                 cov += place.value[static_cast<std::size_t>(a)] * place.value[static_cast<std::size_t>(b)] *
-                       covariance.curve.block<3, 3>(3 * (place.first + a), 3 * (place.first + b));
+                       covariance.block<3, 3>(3 * (place.first + a), 3 * (place.first + b));
         const Eigen::Vector3d tangent = place.tangent(Q).normalized();
         const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - tangent * tangent.transpose();
         const Eigen::Vector3d eigen =

@@ -32,10 +32,9 @@ CurveRefinement::CurveRefinement(int control_points, int samples, const CurvePri
       rig_(rig),
       basis_(control_points),
       samples_(basis_.at_midpoints(samples)),
-      system_(control_points, Nuisances::kCount),
+      system_(control_points),
       step_(3 * control_points),
-      border_step_(static_cast<int>(Nuisances::kCount)),
-      border_J_(Border::Zero(Nuisances::kCount)) {
+      trial_(3, control_points) {
     const std::vector<double> knots = basis_.basis().distinct_knots();
     for (double u : knots) knots_.push_back(basis_.at(u));
     for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
@@ -52,30 +51,27 @@ CurveRefinement::CurveRefinement(int control_points, int samples, const CurvePri
 // Nothing for a point that is not before the camera.
 std::optional<CurveRefinement::LineTerm> CurveRefinement::line_term(const LineMeasurement& line,
                                                                     std::size_t eye, std::size_t sample,
-                                                                    const FittedCurve& fit,
-                                                                    const scenes::StereoRig& rig) const {
-    Eigen::Vector3d p = samples_[sample].point(fit.Q);
-    if (eye == 1) p = rig.X_RC * p;
+                                                                    const Eigen::Matrix3Xd& Q) const {
+    Eigen::Vector3d p = samples_[sample].point(Q);
+    if (eye == 1) p = rig_.X_RC * p;
     if (p.z() < 1e-3) return std::nullopt;
     Eigen::Matrix<double, 2, 3> J_px;
-    const Eigen::Vector2d px = (eye == 0 ? rig.left : rig.right).project(p, J_px);
-    LineTerm term{line.normal.dot(px - line.point_px), line.normal.transpose() * J_px, {}};
-    if (eye == 0) return term;
-    term.by_eye = {line.normal.y(), term.by_point.dot(Eigen::Vector3d(-p.y(), p.x(), 0.0))};
-    term.by_point *= rig.X_RC.linear();
+    const Eigen::Vector2d px = (eye == 0 ? rig_.left : rig_.right).project(p, J_px);
+    LineTerm term{line.normal.dot(px - line.point_px), line.normal.transpose() * J_px};
+    if (eye == 1) term.by_point *= rig_.X_RC.linear();
     return term;
 }
 
 // Calls visit(line, sample, term) for every line that was seen; the number of those that have no term.
 template <typename Visit>
-int CurveRefinement::for_each_seen(const CurveProblem& problem, const FittedCurve& fit, Visit&& visit) const {
-    const scenes::StereoRig rig = fit.nuisances.eye.applied_to(rig_);
+int CurveRefinement::for_each_seen(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                                   Visit&& visit) const {
     int behind = 0;
     for (std::size_t eye = 0; eye < 2; ++eye)
         for (std::size_t j = 0; j < samples_.size(); ++j) {
             const LineMeasurement& line = problem.lines[eye][j];
             if (line.kind != LineMeasurement::Kind::kSeen) continue;
-            if (const std::optional<LineTerm> term = line_term(line, eye, j, fit, rig))
+            if (const std::optional<LineTerm> term = line_term(line, eye, j, Q))
                 visit(line, samples_[j], *term);
             else
                 ++behind;
@@ -83,76 +79,59 @@ int CurveRefinement::for_each_seen(const CurveProblem& problem, const FittedCurv
     return behind;
 }
 
-double CurveRefinement::add_lines(const CurveProblem& problem, const FittedCurve& fit,
+double CurveRefinement::add_lines(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
                                   bool normal_equations) {
     double cost = 0.0;
     const double c2 = problem.robust_px * problem.robust_px;
     const int behind = for_each_seen(
-        problem, fit, [&](const LineMeasurement& line, const CubicBasisValues& sample, const LineTerm& term) {
+        problem, Q, [&](const LineMeasurement& line, const CubicBasisValues& sample, const LineTerm& term) {
             const double r2 = term.r_px * term.r_px;
             const double inverse_variance = 1.0 / (line.sigma_px * line.sigma_px);
             cost += 0.5 * c2 * inverse_variance * std::log1p(r2 / c2);
-            if (!normal_equations) return;
-            const Block J = by_control_points(sample.value, term.by_point);
-            const double weight = inverse_variance / (1.0 + r2 / c2);
-            border_J_.setZero();
-            border_J_.segment<2>(Nuisances::kRow) << term.by_eye[0], term.by_eye[1];
-            system_.add(sample.first, J, border_J_, term.r_px, weight);
+            if (normal_equations)
+                system_.add(sample.first, by_control_points(sample.value, term.by_point), 0.0, term.r_px,
+                            inverse_variance / (1.0 + r2 / c2));
         });
     return cost + kBehindCost * behind;
 }
 
-// N = H^-1 (sum of w J^T J) H^-1: of the error H^-1 sum of w J^T r. The arms' jitter is noise as well.
-Nuisances::Matrix CurveRefinement::noise_part(const CurveProblem& problem, const FittedCurve& fit,
-                                              const Covariance& covariance) const {
-    Nuisances::Matrix part = Nuisances::Matrix::Zero();
+// N = H^-1 (sum of w J^T J) H^-1 at the control point: of the error H^-1 sum of w J^T r.
+Eigen::Matrix3d CurveRefinement::noise_part(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                                            const Eigen::MatrixXd& covariance, int k) const {
+    Eigen::Matrix3d part = Eigen::Matrix3d::Zero();
     const double c2 = problem.robust_px * problem.robust_px;
     for_each_seen(
-        problem, fit, [&](const LineMeasurement& line, const CubicBasisValues& sample, const LineTerm& term) {
+        problem, Q, [&](const LineMeasurement& line, const CubicBasisValues& sample, const LineTerm& term) {
+            const Eigen::Vector3d moved = covariance.block<3, 12>(3 * k, 3 * sample.first) *
+                                          by_control_points(sample.value, term.by_point);
             const double weight = 1.0 / (line.sigma_px * line.sigma_px * (1.0 + term.r_px * term.r_px / c2));
-            const Nuisances::Vector moved = covariance.across.middleRows<12>(3 * sample.first).transpose() *
-                                                by_control_points(sample.value, term.by_point) +
-                                            covariance.border.middleCols<2>(Nuisances::kRow) *
-                                                Eigen::Vector2d(term.by_eye[0], term.by_eye[1]);
             part += weight * moved * moved.transpose();
         });
-    for (std::size_t end = 0; end < 2; ++end) {
-        if (!problem.ends[end] || !problem.ends[end]->biased) continue;
-        const Eigen::Matrix<double, 3, Nuisances::kCount> moved =
-            covariance.across.middleRows<3>(end == 0 ? 0 : 3 * (basis_.count() - 1)) -
-            covariance.border.middleRows<3>(Nuisances::tip(end));
-        part += moved.transpose() * problem.ends[end]->information * moved;
-    }
     return part;
 }
 
-double CurveRefinement::add_length(const FittedCurve& fit, bool normal_equations) {
+double CurveRefinement::add_length(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
+                                   bool normal_equations) {
     const double weight = 1.0 / (priors_.stretch_sigma * priors_.stretch_sigma);
     double cost = 0.0;
-    const double length_m = fit.nuisances.length_m;
-    border_J_.setZero();
     for (const CubicBasisValues& sample : samples_) {
-        const Eigen::Vector3d tangent = sample.tangent(fit.Q);
+        const Eigen::Vector3d tangent = sample.tangent(Q);
         const double speed = std::max(tangent.norm(), 1e-6);
         const double r = speed / length_m - 1.0;  // eq. 7
         cost += 0.5 * weight * r * r;
-        if (!normal_equations) continue;
-        border_J_[Nuisances::kLength] = -speed / (length_m * length_m);
-        system_.add(sample.first,
-                    by_control_points(sample.derivative, tangent.transpose() / (speed * length_m)), border_J_,
-                    r, weight);
+        if (normal_equations)
+            system_.add(sample.first,
+                        by_control_points(sample.derivative, tangent.transpose() / (speed * length_m)),
+                        -speed / (length_m * length_m), r, weight);
     }
-    return cost;
+    const double r = length_m - problem.length_m;
+    const double prior = 1.0 / (problem.length_sigma_m * problem.length_sigma_m);
+    if (normal_equations) system_.add(0, Block::Zero(), 1.0, r, prior);
+    return cost + 0.5 * prior * r * r;
 }
 
-double CurveRefinement::add_nuisances(const CurveProblem& problem, const FittedCurve& fit,
-                                      bool normal_equations) {
-    const Nuisances::Vector error = fit.nuisances.vector() - problem.nuisances.mean.vector();
-    if (normal_equations) system_.add_border(problem.nuisances.information, error);
-    return 0.5 * error.dot(problem.nuisances.information * error);
-}
-
-double CurveRefinement::add_bending(const FittedCurve& fit, double expected_length_m, bool normal_equations) {
+double CurveRefinement::add_bending(const Eigen::Matrix3Xd& Q, double length_m, double expected_length_m,
+                                    bool normal_equations) {
     double cost = 0.0;
     const auto add = [&](const std::vector<CubicBasisValues>& places, double scale, double sigma, int usual) {
         // The prior is of the curve, not of its knots: fewer places weigh more.
@@ -164,19 +143,19 @@ double CurveRefinement::add_bending(const FittedCurve& fit, double expected_leng
             const double soft = 1.0 + (priors_.clamp_factor - 1.0) *
                                           std::exp(-inside * expected_length_m / priors_.clamp_reach_m);
             const double weight = usual_weight / (soft * soft);
-            const Eigen::Vector3d r = scale * place.bend(fit.Q);
+            const Eigen::Vector3d r = scale * place.bend(Q);
             cost += 0.5 * weight * r.squaredNorm();
             if (!normal_equations) continue;
             for (int axis = 0; axis < 3; ++axis)
                 system_.add(place.first,
                             by_control_points(place.second_derivative,
                                               scale * Eigen::Vector3d::Unit(axis).transpose()),
-                            r[axis], weight);
+                            0.0, r[axis], weight);
         }
     };
-    const double L2 = fit.nuisances.length_m * fit.nuisances.length_m;
+    const double L2 = length_m * length_m;
     add(knots_, 1.0 / L2, priors_.curvature_sigma_per_m, 14);
-    add(spans_, 1.0 / (L2 * fit.nuisances.length_m), priors_.curvature_change_sigma_per_m2, 13);
+    add(spans_, 1.0 / (L2 * length_m), priors_.curvature_change_sigma_per_m2, 13);
     return cost;
 }
 
@@ -186,97 +165,85 @@ double CurveRefinement::add_point(int k, const Eigen::Vector3d& error, double we
         for (int axis = 0; axis < 3; ++axis) {
             Block J = Block::Zero();
             J[3 * (k - first) + axis] = 1.0;
-            system_.add(first, J, error[axis], weight);
+            system_.add(first, J, 0.0, error[axis], weight);
         }
     }
     return 0.5 * weight * error.squaredNorm();
 }
 
-double CurveRefinement::add_end(std::size_t end, const EndPrior& prior, const FittedCurve& fit,
+double CurveRefinement::add_end(int k, const EndPrior& prior, const Eigen::Matrix3Xd& Q,
                                 bool normal_equations) {
-    const int k = end == 0 ? 0 : basis_.count() - 1, first = std::min(k, basis_.count() - 4);
-    Eigen::Vector3d error = fit.Q.col(k) - prior.p_C;
-    if (prior.biased) error -= fit.nuisances.tip_bias_C[end];
-    const double squared = error.dot(prior.information * error);
+    const Eigen::Vector3d error = Q.col(k) - prior.p_C;
+    const double squared = prior.squared_error(Q.col(k));
     const double c2 = prior.robust_sigmas * prior.robust_sigmas;
     if (normal_equations) {
-        const double weight = c2 > 0.0 ? 1.0 / (1.0 + squared / c2) : 1.0;
+        const double weight = prior.weight(Q.col(k));
         const Eigen::Matrix3d rows = prior.information.llt().matrixU();
         const Eigen::Vector3d r = rows * error;
-        border_J_.setZero();
+        const int first = std::min(k, basis_.count() - 4);
         for (int i = 0; i < 3; ++i) {
             Block J = Block::Zero();
             J.segment<3>(3 * (k - first)) = rows.row(i).transpose();
-            if (prior.biased) border_J_.segment<3>(Nuisances::tip(end)) = -rows.row(i).transpose();
-            system_.add(first, J, border_J_, r[i], weight);
+            system_.add(first, J, 0.0, r[i], weight);
         }
     }
     return c2 > 0.0 ? 0.5 * c2 * std::log1p(squared / c2) : 0.5 * squared;
 }
 
-double CurveRefinement::add_grip(std::size_t end, const GripPrior& prior, const FittedCurve& fit,
-                                 bool normal_equations) {
-    const int k = end == 0 ? 0 : basis_.count() - 1, first = std::min(k, basis_.count() - 4);
-    const double r = prior.along.dot(fit.Q.col(k) - prior.p_C) / prior.sigma_m;
-    if (normal_equations) {
-        Block J = Block::Zero();
-        J.segment<3>(3 * (k - first)) = prior.along / prior.sigma_m;
-        system_.add(first, J, r, 1.0);
-    }
-    return 0.5 * r * r;
-}
-
-double CurveRefinement::add_points(const CurveProblem& problem, const FittedCurve& fit,
+double CurveRefinement::add_points(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
                                    bool normal_equations) {
     double cost = 0.0;
-    for (std::size_t end = 0; end < 2; ++end) {
-        if (problem.ends[end]) cost += add_end(end, *problem.ends[end], fit, normal_equations);
-        if (problem.grips[end]) cost += add_grip(end, *problem.grips[end], fit, normal_equations);
-    }
+    for (std::size_t end = 0; end < 2; ++end)
+        if (problem.ends[end])
+            cost += add_end(end == 0 ? 0 : basis_.count() - 1, *problem.ends[end], Q, normal_equations);
     const double weight = 1.0 / (priors_.motion_sigma_m * priors_.motion_sigma_m);
     for (int k = 0; k < basis_.count(); ++k)
-        cost += add_point(k, fit.Q.col(k) - problem.expected.col(k), weight, normal_equations);
+        cost += add_point(k, Q.col(k) - problem.expected.col(k), weight, normal_equations);
     return cost;
 }
 
-double CurveRefinement::accumulate(const CurveProblem& problem, const FittedCurve& fit,
+double CurveRefinement::accumulate(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
                                    bool normal_equations) {
     if (normal_equations) system_.set_zero();
-    return add_lines(problem, fit, normal_equations) + add_length(fit, normal_equations) +
-           add_nuisances(problem, fit, normal_equations) +
-           add_bending(fit, problem.nuisances.mean.length_m, normal_equations) +
-           add_points(problem, fit, normal_equations);
+    return add_lines(problem, Q, normal_equations) + add_length(problem, Q, length_m, normal_equations) +
+           add_bending(Q, length_m, problem.length_m, normal_equations) +
+           add_points(problem, Q, normal_equations);
 }
 
-double CurveRefinement::refine(const CurveProblem& problem, int iterations, FittedCurve& fit) {
+double CurveRefinement::refine(const CurveProblem& problem, int iterations, Eigen::Matrix3Xd& Q,
+                               double& length_m) {
     double damping = 1e-6;
-    double cost = accumulate(problem, fit, true);
+    double cost = accumulate(problem, Q, length_m, true);
     for (int i = 0; i < iterations; ++i) {
-        if (!system_.solve(damping, step_, border_step_)) {
+        double length_step = 0.0;
+        if (!system_.solve(damping, step_, length_step)) {
             damping = std::max(1e-3, damping * 10.0);
             continue;
         }
-        trial_.Q = fit.Q + step_.reshaped(3, basis_.count());
-        trial_.nuisances = Nuisances::from(fit.nuisances.vector() + border_step_);
-        const bool sane = trial_.nuisances.length_m > 0.2 * fit.nuisances.length_m;
-        const double trial_cost = sane ? accumulate(problem, trial_, false) : 2.0 * cost + 1.0;
+        trial_ = Q + step_.reshaped(3, basis_.count());
+        const double trial_length_m = length_m + length_step;
+        const bool sane = trial_length_m > 0.2 * length_m;
+        const double trial_cost =
+            sane ? accumulate(problem, trial_, trial_length_m, false) : 2.0 * cost + 1.0;
         if (!(trial_cost <= cost)) {
             damping = std::max(1e-3, damping * 10.0);
             continue;
         }
         const bool converged = step_.lpNorm<Eigen::Infinity>() < 1e-6;
-        fit = trial_;
+        Q = trial_;
+        length_m = trial_length_m;
         cost = trial_cost;
         damping *= 0.1;
         if (converged) break;
-        if (i + 1 < iterations) accumulate(problem, fit, true);
+        if (i + 1 < iterations) accumulate(problem, Q, length_m, true);
     }
     return cost;
 }
 
-bool CurveRefinement::covariance(const CurveProblem& problem, const FittedCurve& fit, Covariance& out) {
-    accumulate(problem, fit, true);
-    return system_.covariance(out);
+bool CurveRefinement::covariance(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
+                                 Eigen::MatrixXd& covariance, double& length_variance) {
+    accumulate(problem, Q, length_m, true);
+    return system_.covariance(covariance, length_variance);
 }
 
 }  // namespace atropos::tracker

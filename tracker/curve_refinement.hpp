@@ -9,7 +9,6 @@
 #include "scenes/stereo_rig.hpp"
 #include "tracker/bordered_band_system.hpp"
 #include "tracker/cubic_basis.hpp"
-#include "tracker/nuisances.hpp"
 #include "tracker/stereo_tracker.hpp"
 
 namespace atropos::tracker {
@@ -34,31 +33,24 @@ struct EndPrior {
     Eigen::Vector3d p_C = Eigen::Vector3d::Zero();              ///< m
     Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  ///< inverse covariance
     double robust_sigmas = 0.0;                                 ///< Cauchy's scale; 0: none
-    bool biased = false;                                        ///< by an arm's error, a nuisance
+
+    double squared_error(const Eigen::Vector3d& p) const { return (p - p_C).dot(information * (p - p_C)); }
+
+    /// Of the information, for an end at `p` (IRLS).
+    double weight(const Eigen::Vector3d& p) const {
+        return robust_sigmas > 0.0 ? 1.0 / (1.0 + squared_error(p) / (robust_sigmas * robust_sigmas)) : 1.0;
+    }
 };
 
 /// An end known equally well in all directions; ends that do not move are known to 0.05 mm.
 EndPrior end_prior(const MeasuredTip& tip, double held_sigma_m);
 
-/// Where along the thread it ends, seen in the images.
-struct GripPrior {
-    Eigen::Vector3d p_C = Eigen::Vector3d::Zero();
-    Eigen::Vector3d along = Eigen::Vector3d::UnitX();  ///< unit
-    double sigma_m = 0.001;
-};
-
-/// What is fitted: a curve and what is unknown beside it.
-struct FittedCurve {
-    Eigen::Matrix3Xd Q;  ///< 3 x K control points, in C, m
-    Nuisances nuisances;
-};
-
 /// What the curve of one frame is fitted to.
 struct CurveProblem {
     std::array<std::vector<LineMeasurement>, 2> lines;  ///< of each eye, one a sample
     std::array<std::optional<EndPrior>, 2> ends;
-    std::array<std::optional<GripPrior>, 2> grips;
-    NuisancePrior nuisances;
+    double length_m = 0.0;  ///< expected, with its sigma
+    double length_sigma_m = 0.0;
     double robust_px = 0.5;     ///< Cauchy's scale of the line residuals
     Eigen::Matrix3Xd expected;  ///< control points by motion alone; 3 x K
 };
@@ -74,51 +66,47 @@ struct CurvePriors {
     double motion_sigma_m = 0.020;  ///< of control points about the motion's prediction
 };
 
-/// Continuous refinement of the curve: damped Gauss-Newton on 3K control points and the nuisances. Terms:
-/// line residuals of both eyes (Cauchy), length per parameter (eq. 7), bending, ends (II-F), motion, and what
-/// is known of the nuisances.
+/// Continuous refinement of the curve: damped Gauss-Newton on 3K control points and the curve's length.
+/// Terms: line residuals of both eyes (Cauchy), length per parameter (eq. 7), bending, ends (II-F), motion.
 class CurveRefinement {
   public:
-    using Covariance = BorderedBandSystem::Covariance;
-
     CurveRefinement(int control_points, int samples, const CurvePriors& priors, const scenes::StereoRig& rig);
 
     const CubicBasis& basis() const { return basis_; }
     const std::vector<CubicBasisValues>& samples() const { return samples_; }
 
-    /// Improves `fit` by up to `iterations` steps; returns the cost.
-    double refine(const CurveProblem& problem, int iterations, FittedCurve& fit);
+    /// Improves `Q` (3 x K, in C, m) and `length_m` by up to `iterations` steps; returns the cost.
+    double refine(const CurveProblem& problem, int iterations, Eigen::Matrix3Xd& Q, double& length_m);
 
-    /// Posterior covariance at the solution, of the control points (point by point) and the nuisances, which
-    /// are the border. False when something is not determined at all.
-    bool covariance(const CurveProblem& problem, const FittedCurve& fit, Covariance& out);
+    /// Posterior covariance of the control points (3K x 3K, point by point) and variance of the length, at
+    /// the solution. False when something is not determined at all.
+    bool covariance(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
+                    Eigen::MatrixXd& covariance, double& length_variance);
 
-    /// The part of the nuisances' covariance that noise alone makes, which is another one in each frame, with
-    /// the other terms taken for true. `covariance` is that of the solution, as above.
-    Nuisances::Matrix noise_part(const CurveProblem& problem, const FittedCurve& fit,
-                                 const Covariance& covariance) const;
+    /// The part of the covariance of control point `k` that the images' noise alone makes, with the other
+    /// terms taken for true; `covariance` is that of the solution, as above.
+    Eigen::Matrix3d noise_part(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                               const Eigen::MatrixXd& covariance, int k) const;
 
   private:
-    using Border = BorderedBandSystem::Border;
-
-    /// A line's residual and its derivatives by the point in C and by the right eye.
+    /// A line's residual and its derivative by the point in C.
     struct LineTerm {
         double r_px;
         Eigen::RowVector3d by_point;
-        std::array<double, 2> by_eye;  ///< row and roll
     };
     std::optional<LineTerm> line_term(const LineMeasurement& line, std::size_t eye, std::size_t sample,
-                                      const FittedCurve& fit, const scenes::StereoRig& rig) const;
+                                      const Eigen::Matrix3Xd& Q) const;
     template <typename Visit>
-    int for_each_seen(const CurveProblem& problem, const FittedCurve& fit, Visit&& visit) const;
-    double accumulate(const CurveProblem& problem, const FittedCurve& fit, bool normal_equations);
-    double add_lines(const CurveProblem& problem, const FittedCurve& fit, bool normal_equations);
-    double add_length(const FittedCurve& fit, bool normal_equations);
-    double add_nuisances(const CurveProblem& problem, const FittedCurve& fit, bool normal_equations);
-    double add_bending(const FittedCurve& fit, double expected_length_m, bool normal_equations);
-    double add_points(const CurveProblem& problem, const FittedCurve& fit, bool normal_equations);
-    double add_end(std::size_t end, const EndPrior& prior, const FittedCurve& fit, bool normal_equations);
-    double add_grip(std::size_t end, const GripPrior& prior, const FittedCurve& fit, bool normal_equations);
+    int for_each_seen(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, Visit&& visit) const;
+    double accumulate(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
+                      bool normal_equations);
+    double add_lines(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, bool normal_equations);
+    double add_length(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
+                      bool normal_equations);
+    double add_bending(const Eigen::Matrix3Xd& Q, double length_m, double expected_length_m,
+                       bool normal_equations);
+    double add_points(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, bool normal_equations);
+    double add_end(int k, const EndPrior& prior, const Eigen::Matrix3Xd& Q, bool normal_equations);
     double add_point(int k, const Eigen::Vector3d& error, double weight, bool normal_equations);
 
     CurvePriors priors_;
@@ -129,8 +117,7 @@ class CurveRefinement {
     std::vector<CubicBasisValues> spans_;  ///< third derivatives, in `second_derivative`
     BorderedBandSystem system_;
     Eigen::VectorXd step_;
-    Border border_step_, border_J_;
-    FittedCurve trial_;
+    Eigen::Matrix3Xd trial_;
 };
 
 }  // namespace atropos::tracker

@@ -30,6 +30,7 @@ double median(std::vector<double>& values) {
 
 CurveSight::CurveSight(const scenes::TrackerConfig& config, const scenes::StereoRig& rig)
     : config_(config),
+      rig_(rig),
       scale_(rig.left.width_px / 640.0),
       filter_({.polarity = config.thread.polarity,
                .threshold_levels = config.refined.contrast_levels,
@@ -45,29 +46,28 @@ CurveSight::CurveSight(const scenes::TrackerConfig& config, const scenes::Stereo
     noises_.reserve(2 * samples);
 }
 
-void CurveSight::look(const scenes::StereoRig& rig, const std::array<ImageView, 2>& images,
-                      std::span<const CubicBasisValues> samples, const Eigen::Matrix3Xd& Q,
-                      std::span<const scenes::Capsule> instruments_C, const Look& look,
-                      std::array<std::vector<LineMeasurement>, 2>& lines) {
+void CurveSight::look(const std::array<ImageView, 2>& images, std::span<const CubicBasisValues> samples,
+                      const Eigen::Matrix3Xd& Q, std::span<const scenes::Capsule> instruments_C,
+                      const Look& look, std::array<std::vector<LineMeasurement>, 2>& lines) {
     for (std::size_t eye = 0; eye < 2; ++eye) {
         const Eigen::Vector3d eye_C =
-            eye == 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(rig.X_RC.inverse().translation());
+            eye == 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(rig_.X_RC.inverse().translation());
         const OcclusionMask mask(instruments_C, eye_C, 2.0 * config_.refined.instrument_sigma_m, kBehind_m);
-        look_with(rig, eye, images[eye], samples, Q, mask, look, lines[eye]);
+        look_with(eye, images[eye], samples, Q, mask, look, lines[eye]);
         if (look.closely) localise(images[eye], lines[eye]);
     }
 }
 
 // Candidates of one sample; whether it can be seen.
-bool CurveSight::look_across(const scenes::StereoRig& rig, std::size_t eye, const ImageView& image,
-                             std::size_t j, const CubicBasisValues& sample, const Eigen::Matrix3Xd& Q,
+bool CurveSight::look_across(std::size_t eye, const ImageView& image, std::size_t j,
+                             const CubicBasisValues& sample, const Eigen::Matrix3Xd& Q,
                              const OcclusionMask& mask, const Look& look) {
-    const scenes::Camera& camera = eye == 0 ? rig.left : rig.right;
+    const scenes::Camera& camera = eye == 0 ? rig_.left : rig_.right;
     const Eigen::Vector3d p_C = sample.point(Q);
-    const Eigen::Vector3d p = eye == 0 ? p_C : Eigen::Vector3d(rig.X_RC * p_C);
+    const Eigen::Vector3d p = eye == 0 ? p_C : Eigen::Vector3d(rig_.X_RC * p_C);
     if (p.z() < 0.005) return false;
     Eigen::Vector3d tangent = sample.tangent(Q);
-    if (eye == 1) tangent = rig.X_RC.linear() * tangent;
+    if (eye == 1) tangent = rig_.X_RC.linear() * tangent;
     Eigen::Matrix<double, 2, 3> J_px;
     NormalLine& line = lines_[j];
     line.p_px = camera.project(p, J_px);
@@ -91,7 +91,7 @@ bool CurveSight::look_across(const scenes::StereoRig& rig, std::size_t eye, cons
         const Valley& valley = candidates.valleys[static_cast<std::size_t>(c)];
         Eigen::Vector3d shift = Eigen::Vector3d::Zero();
         shift.head<2>() = px_to_m * (valley.offset_px * line.normal);
-        if (eye == 1) shift = rig.X_RC.linear().transpose() * shift;
+        if (eye == 1) shift = rig_.X_RC.linear().transpose() * shift;
         if (!mask.hides(p_C + shift)) candidates.valleys[static_cast<std::size_t>(kept++)] = valley;
     }
     candidates.count = kept;
@@ -119,14 +119,13 @@ std::span<const int> CurveSight::choose(const Look& look) {
     return association_.choose(candidates_, threshold, options);
 }
 
-void CurveSight::look_with(const scenes::StereoRig& rig, std::size_t eye, const ImageView& image,
-                           std::span<const CubicBasisValues> samples, const Eigen::Matrix3Xd& Q,
-                           const OcclusionMask& mask, const Look& look,
+void CurveSight::look_with(std::size_t eye, const ImageView& image, std::span<const CubicBasisValues> samples,
+                           const Eigen::Matrix3Xd& Q, const OcclusionMask& mask, const Look& look,
                            std::vector<LineMeasurement>& measured) {
     for (std::size_t j = 0; j < samples.size(); ++j) {
         candidates_[j].count = 0;
         candidates_[j].expected_depth_levels = expected_depth_levels_[eye][j];
-        measured[j].kind = look_across(rig, eye, image, j, samples[j], Q, mask, look)
+        measured[j].kind = look_across(eye, image, j, samples[j], Q, mask, look)
                                ? LineMeasurement::Kind::kMissing
                                : LineMeasurement::Kind::kHidden;
     }

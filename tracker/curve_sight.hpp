@@ -34,9 +34,8 @@ class CurveSight {
     const ValleyFilterOptions& filter_options() const { return filter_.options(); }
 
     /// One line a sample and eye. `instruments_C` hide what lies behind them.
-    void look(const scenes::StereoRig& rig, const std::array<ImageView, 2>& images,
-              std::span<const CubicBasisValues> samples, const Eigen::Matrix3Xd& Q,
-              std::span<const scenes::Capsule> instruments_C, const Look& look,
+    void look(const std::array<ImageView, 2>& images, std::span<const CubicBasisValues> samples,
+              const Eigen::Matrix3Xd& Q, std::span<const scenes::Capsule> instruments_C, const Look& look,
               std::array<std::vector<LineMeasurement>, 2>& lines);
 
     /// Forgets how dark each part of the thread was; learns it from lines that a good fit used.
@@ -48,16 +47,16 @@ class CurveSight {
     void load(const double* in);
 
   private:
-    void look_with(const scenes::StereoRig& rig, std::size_t eye, const ImageView& image,
-                   std::span<const CubicBasisValues> samples, const Eigen::Matrix3Xd& Q,
-                   const OcclusionMask& mask, const Look& look, std::vector<LineMeasurement>& measured);
-    bool look_across(const scenes::StereoRig& rig, std::size_t eye, const ImageView& image, std::size_t j,
-                     const CubicBasisValues& sample, const Eigen::Matrix3Xd& Q, const OcclusionMask& mask,
-                     const Look& look);
+    void look_with(std::size_t eye, const ImageView& image, std::span<const CubicBasisValues> samples,
+                   const Eigen::Matrix3Xd& Q, const OcclusionMask& mask, const Look& look,
+                   std::vector<LineMeasurement>& measured);
+    bool look_across(std::size_t eye, const ImageView& image, std::size_t j, const CubicBasisValues& sample,
+                     const Eigen::Matrix3Xd& Q, const OcclusionMask& mask, const Look& look);
     std::span<const int> choose(const Look& look);
     void localise(const ImageView& image, std::vector<LineMeasurement>& measured);
 
     scenes::TrackerConfig config_;
+    scenes::StereoRig rig_;
     double scale_;  ///< image width over 640
     ValleyFilter filter_;
     ValleyAssociation association_;

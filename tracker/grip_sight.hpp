@@ -42,18 +42,11 @@ class GripSight {
   public:
     static constexpr double kSameArm_m = 0.010;  ///< capsules nearer to the grip move with it
 
-    GripSight(const ValleyFilterOptions& filter, double thread_width_m);
+    GripSight(const scenes::StereoRig& rig, const ValleyFilterOptions& filter, double thread_width_m);
 
     /// Nothing when the thread is not seen to vanish there.
-    std::optional<GripSighting> look(const scenes::StereoRig& rig, const std::array<ImageView, 2>& images,
-                                     const CubicBasis& basis, const Eigen::Matrix3Xd& Q, double length_m,
-                                     const GripQuery& query);
-
-    /// Where along the curve the thread ends of itself, no jaws about it. Nothing when it is not seen to end.
-    std::optional<GripSighting> look_free(const scenes::StereoRig& rig,
-                                          const std::array<ImageView, 2>& images, const CubicBasis& basis,
-                                          const Eigen::Matrix3Xd& Q, double length_m, std::size_t end,
-                                          std::span<const scenes::Capsule> instruments_C);
+    std::optional<GripSighting> look(const std::array<ImageView, 2>& images, const CubicBasis& basis,
+                                     const Eigen::Matrix3Xd& Q, double length_m, const GripQuery& query);
 
   private:
     /// Where the capsules begin or end to hide the path, and how far that moves if they grow, per length.
@@ -73,11 +66,10 @@ class GripSight {
 
     void follow(const CubicBasis& basis, const Eigen::Matrix3Xd& Q, double length_m, std::size_t end);
     Outline predict(const Eigen::Vector3d& eye_C, std::span<const scenes::Capsule> jaws_C) const;
-    void weigh(const scenes::StereoRig& rig, const ImageView& image, std::size_t eye,
-               std::span<const scenes::Capsule> others_C);
+    void weigh(const ImageView& image, std::size_t eye, std::span<const scenes::Capsule> others_C);
     Edges find(const Outline& predicted, const GripQuery& query);
-    bool vanishes_at(int index) const;
 
+    scenes::StereoRig rig_;
     ValleyFilter filter_;
     double thread_width_m_;
     double threshold_levels_;

@@ -86,8 +86,6 @@ void validate(const scenes::TrackerConfig& config) {
     require_range("refined.tip_sigma_m", config.refined.tip_sigma_m, 1e-6, 1.0);
     require_range("refined.tip_bias_sigma_m", config.refined.tip_bias_sigma_m, 0.0, 1.0);
     require_range("refined.instrument_sigma_m", config.refined.instrument_sigma_m, 0.0, 0.1);
-    require_range("refined.row_sigma_px", config.refined.row_sigma_px, 0.0, 100.0);
-    require_range("refined.roll_sigma_rad", config.refined.roll_sigma_rad, 0.0, 0.5);
     require_range("refined.coasting_frames", config.refined.coasting_frames, 0, 100000);
 }
 

@@ -7,8 +7,15 @@
 namespace atropos::tracker {
 namespace {
 
-constexpr double kRobustSigmas = 3.0;
-constexpr double kExcessFloor_m = 0.0001;
+constexpr double kRobustSigmas = 6.0;
+
+EndBelief::Options belief_options(const scenes::TrackerConfig& config) {
+    return {.bias_sigma_m = config.refined.tip_bias_sigma_m, .jitter_sigma_m = config.refined.tip_sigma_m};
+}
+
+EndPrior prior_of(const UncertainPoint& expected) {
+    return {expected.p_C, expected.covariance.inverse(), kRobustSigmas};
+}
 
 bool is_held(const std::optional<MeasuredTip>& tip) {
     return tip && tip->kind != MeasuredTip::Kind::kFixed;
@@ -16,8 +23,14 @@ bool is_held(const std::optional<MeasuredTip>& tip) {
 
 }  // namespace
 
-MeasuredEnds::MeasuredEnds(const scenes::TrackerConfig& config, const ValleyFilterOptions& filter)
-    : jitter_sigma_m_(config.refined.tip_sigma_m), grip_sight_(filter, config.thread.width_m) {}
+MeasuredEnds::MeasuredEnds(const scenes::TrackerConfig& config, const scenes::StereoRig& rig,
+                           const ValleyFilterOptions& filter)
+    : beliefs_{EndBelief(belief_options(config)), EndBelief(belief_options(config))},
+      grip_sight_(rig, filter, config.thread.width_m) {}
+
+void MeasuredEnds::reset() {
+    for (EndBelief& belief : beliefs_) belief.reset();
+}
 
 std::array<Eigen::Vector3d, 2> MeasuredEnds::motion(const StereoFrame& frame) const {
     std::array<Eigen::Vector3d, 2> moved = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
@@ -26,73 +39,78 @@ std::array<Eigen::Vector3d, 2> MeasuredEnds::motion(const StereoFrame& frame) co
     return moved;
 }
 
-void MeasuredEnds::place(const StereoFrame& frame, const Nuisances& expected,
-                         std::vector<scenes::Capsule>& instruments_C) {
+void MeasuredEnds::wait(double dt_s) {
+    for (EndBelief& belief : beliefs_) belief.wait(dt_s);
+}
+
+void MeasuredEnds::place(const StereoFrame& frame, std::vector<scenes::Capsule>& instruments_C) const {
     instruments_C = frame.instruments;
     for (std::size_t end = 0; end < 2; ++end) {
         if (!is_held(frame.tips[end])) continue;
         for (std::size_t i = 0; i < instruments_C.size(); ++i) {
             if (scenes::clearance_m(frame.instruments[i], frame.tips[end]->p_C) > GripSight::kSameArm_m)
                 continue;
-            instruments_C[i].a += expected.tip_bias_C[end];
-            instruments_C[i].b += expected.tip_bias_C[end];
+            instruments_C[i].a += beliefs_[end].bias_C();
+            instruments_C[i].b += beliefs_[end].bias_C();
         }
     }
 }
 
-void MeasuredEnds::expect(const StereoFrame& frame, CurveProblem& problem) const {
-    problem.grips = {};
+void MeasuredEnds::expect(const StereoFrame& frame, CurveProblem& problem) {
     for (std::size_t end = 0; end < 2; ++end) {
+        grips_[end].reset();
         problem.ends[end].reset();
         if (!frame.tips[end]) continue;
-        problem.ends[end] = end_prior(*frame.tips[end], jitter_sigma_m_);
-        if (!is_held(frame.tips[end])) continue;
-        problem.ends[end]->robust_sigmas = kRobustSigmas;
-        problem.ends[end]->biased = true;
+        if (!is_held(frame.tips[end])) {
+            problem.ends[end] = end_prior(*frame.tips[end], 0.0);
+            continue;
+        }
+        expected_[end] = beliefs_[end].expected(frame.tips[end]->p_C);
+        problem.ends[end] = prior_of(expected_[end]);
     }
 }
 
-void MeasuredEnds::look(const StereoFrame& frame, const scenes::StereoRig& rig,
-                        const std::array<ImageView, 2>& images, const CubicBasis& basis,
-                        const FittedCurve& fit, const Nuisances::Matrix& covariance, CurveProblem& problem) {
-    seen_ = {};
-    const Eigen::Matrix3Xd& Q = fit.Q;
+void MeasuredEnds::look(const StereoFrame& frame, const std::array<ImageView, 2>& images,
+                        const CubicBasis& basis, const Eigen::Matrix3Xd& Q, double length_m,
+                        CurveProblem& problem) {
+    expect(frame, problem);
     for (std::size_t end = 0; end < 2; ++end) {
-        if (frame.tips[end] && !is_held(frame.tips[end])) continue;
+        if (!is_held(frame.tips[end])) continue;
         const int last = static_cast<int>(Q.cols()) - 1, k = end == 0 ? 0 : last;
-        const int tip = Nuisances::tip(end);
         const Eigen::Vector3d outwards = (Q.col(k) - Q.col(end == 0 ? 1 : k - 1)).normalized();
-        if (!frame.tips[end]) {
-            const auto free_end =
-                grip_sight_.look_free(rig, images, basis, Q, fit.nuisances.length_m, end, frame.instruments);
-            if (free_end)
-                problem.grips[end] = {Q.col(k) + free_end->offset_m * outwards, outwards, free_end->sigma_m};
-            continue;
-        }
-        const Eigen::Vector3d expected_C = frame.tips[end]->p_C + problem.nuisances.mean.tip_bias_C[end];
+        const UncertainPoint& expected = expected_[end];
         GripQuery query;
         query.end = end;
         query.measured_C = frame.tips[end]->p_C;
         query.instruments_C = frame.instruments;
-        query.expected_m = outwards.dot(expected_C - Q.col(k));
-        query.sigma_m = std::sqrt(outwards.dot(covariance.block<3, 3>(tip, tip) * outwards) +
-                                  jitter_sigma_m_ * jitter_sigma_m_);
-        query.excess_m = jaws_[end].m;
-        query.excess_variance_m2 = jaws_[end].variance_m2;
-        seen_[end] = grip_sight_.look(rig, images, basis, Q, fit.nuisances.length_m, query);
-        if (seen_[end])
-            problem.grips[end] = {Q.col(k) + seen_[end]->offset_m * outwards, outwards, seen_[end]->sigma_m};
+        query.expected_m = outwards.dot(expected.p_C - Q.col(k));
+        query.sigma_m = std::sqrt(outwards.dot(expected.covariance * outwards));
+        query.excess_m = beliefs_[end].excess_m();
+        query.excess_variance_m2 = beliefs_[end].excess_variance_m2();
+        grips_[end] = grip_sight_.look(images, basis, Q, length_m, query);
+        if (!grips_[end]) continue;
+        EndPrior& prior = *problem.ends[end];
+        const Eigen::Vector3d seen_C = Q.col(k) + grips_[end]->offset_m * outwards;
+        const Eigen::Matrix3d along =
+            outwards * outwards.transpose() / (grips_[end]->sigma_m * grips_[end]->sigma_m);
+        const Eigen::Matrix3d both = prior.information + along;
+        prior.p_C = both.inverse() * (prior.information * prior.p_C + along * seen_C);
+        prior.information = both;
     }
 }
 
-void MeasuredEnds::learn() {
+void MeasuredEnds::learn(const StereoFrame& frame, const CurveProblem& problem,
+                         const CurveRefinement& refinement, const Eigen::Matrix3Xd& Q,
+                         const Eigen::MatrixXd& covariance) {
     for (std::size_t end = 0; end < 2; ++end) {
-        if (!seen_[end] || !seen_[end]->excess_m) continue;
-        JawExcess& jaws = jaws_[end];
-        const double noise_m2 = seen_[end]->excess_sigma_m * seen_[end]->excess_sigma_m;
-        const double gain = jaws.variance_m2 / (jaws.variance_m2 + noise_m2);
-        jaws.m += gain * (*seen_[end]->excess_m - jaws.m);
-        jaws.variance_m2 = std::max((1.0 - gain) * jaws.variance_m2, kExcessFloor_m * kExcessFloor_m);
+        if (!is_held(frame.tips[end])) continue;
+        const int last = static_cast<int>(Q.cols()) - 1, k = end == 0 ? 0 : last;
+        const EndPrior told = prior_of(expected_[end]);
+        beliefs_[end].learn(end_evidence(told.p_C, told.weight(Q.col(k)) * told.information,
+                                         {Q.col(k), covariance.block<3, 3>(3 * k, 3 * k)},
+                                         refinement.noise_part(problem, Q, covariance, k)));
+        if (grips_[end] && grips_[end]->excess_m)
+            beliefs_[end].learn_excess(*grips_[end]->excess_m, grips_[end]->excess_sigma_m);
     }
 }
 
@@ -111,14 +129,14 @@ void MeasuredEnds::remember(const StereoFrame& frame) {
     }
 }
 
-// Of each end whether it was measured last, where, and how its jaws look.
+// Of each end whether it was measured last, where, and what is believed of it.
 void MeasuredEnds::save(double* out) const {
     for (std::size_t end = 0; end < 2; ++end) {
         const Eigen::Vector3d p_C = last_tips_C_[end].value_or(Eigen::Vector3d::Zero());
         *out++ = last_tips_C_[end] ? 1.0 : 0.0;
         out = std::copy_n(p_C.data(), 3, out);
-        *out++ = jaws_[end].m;
-        *out++ = jaws_[end].variance_m2;
+        beliefs_[end].save(out);
+        out += EndBelief::kStateSize;
     }
 }
 
@@ -126,8 +144,8 @@ void MeasuredEnds::load(const double* in) {
     for (std::size_t end = 0; end < 2; ++end) {
         last_tips_C_[end].reset();
         if (in[0] != 0.0) last_tips_C_[end] = Eigen::Vector3d(in[1], in[2], in[3]);
-        jaws_[end] = {in[4], in[5]};
-        in += 6;
+        beliefs_[end].load(in + 4);
+        in += 4 + EndBelief::kStateSize;
     }
 }
 

@@ -74,10 +74,8 @@ class PathFit {
         priors_ = priors();
         expect(points, along);
         for (auto& lines : problem_.lines) lines.resize(static_cast<std::size_t>(samples_));
-        const double length_sigma_m = 0.3 * curve_.length_m;
-        problem_.nuisances.mean.length_m = curve_.length_m;
-        problem_.nuisances.information(Nuisances::kLength, Nuisances::kLength) =
-            1.0 / (length_sigma_m * length_sigma_m);
+        problem_.length_m = curve_.length_m;
+        problem_.length_sigma_m = 0.3 * curve_.length_m;
         curve_.row_offset_px = options_.row_offset_px;
         problem_.robust_px = 3.0;
         curve_.cost = refine(points, 4);
@@ -113,12 +111,6 @@ class PathFit {
         rig_ = view_.with_row_offset(px);
     }
 
-    FittedCurve fitted() const {
-        FittedCurve fit{curve_.Q, problem_.nuisances.mean};
-        fit.nuisances.length_m = curve_.length_m;
-        return fit;
-    }
-
     // One look and the fit to it; the cost, the offset's own included.
     double refine(const std::vector<PairedPoint>& points, int iterations) {
         CurveRefinement refinement(options_.control_points, samples_, priors_, rig_);
@@ -126,11 +118,7 @@ class PathFit {
         measure(refinement);
         anchor_ends(points);
         const double offset = curve_.row_offset_px / options_.row_offset_sigma_px;
-        FittedCurve fit = fitted();
-        const double cost = refinement.refine(problem_, iterations, fit);
-        curve_.Q = fit.Q;
-        curve_.length_m = fit.nuisances.length_m;
-        return cost + 0.5 * offset * offset;
+        return refinement.refine(problem_, iterations, curve_.Q, curve_.length_m) + 0.5 * offset * offset;
     }
 
     // Control points on the line itself, at the means of the knots they reach (Schoenberg's approximation):
@@ -238,11 +226,11 @@ class PathFit {
         }
         curve_.residual_px = seen > 0 ? std::sqrt(squares / seen) : 0.0;
         curve_.seen_share = static_cast<double>(both) / samples_;
-        CurveRefinement::Covariance covariance;
-        covariance.curve.setZero(curve_.Q.size(), curve_.Q.size());
+        Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(curve_.Q.size(), curve_.Q.size());
+        double length_variance = 0.0;
         std::vector<double> arc;
-        refinement.covariance(problem_, fitted(), covariance);
-        sample_with_uncertainty(refinement.basis(), curve_.Q, covariance.curve, arc, curve_.samples);
+        refinement.covariance(problem_, curve_.Q, curve_.length_m, covariance, length_variance);
+        sample_with_uncertainty(refinement.basis(), curve_.Q, covariance, arc, curve_.samples);
         curve_.length_m = curve_.samples.back().s_m;
     }
 

@@ -33,9 +33,8 @@ RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes
       scale_(rig.left.width_px / 640.0),
       refinement_(config.refined.control_points, config.refined.samples, priors, rig),
       sight_(config, rig),
-      ends_(config, sight_.filter_options()),
-      recovery_(config, rig),
-      nuisances_(config, scale_) {
+      ends_(config, rig, sight_.filter_options()),
+      recovery_(config, rig) {
     validate(config);
     const std::size_t samples = static_cast<std::size_t>(config.refined.samples);
     const int K = config.refined.control_points;
@@ -43,8 +42,10 @@ RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes
     loss_test_.end_off_m = std::max(
         kLeastEndOff_m, 5.0 * std::hypot(config.refined.tip_bias_sigma_m, config.refined.tip_sigma_m));
     fit_.Q.setZero(3, K);
+    trial_.Q.setZero(3, K);
     problem_.expected.setZero(3, K);
     velocity_m_s_.setZero(3, K);
+    covariance_.setZero(3 * K, 3 * K);
     for (auto& lines : problem_.lines) lines.resize(samples);
 }
 
@@ -53,14 +54,16 @@ RefinedTracker::~RefinedTracker() = default;
 const TrackResult& RefinedTracker::start(const StereoFrame& frame, const NurbsCurve& initial) {
     check_frame(frame, rig_);
     ends_.reset();
-    nuisances_.reset();
     begin(initial);
     return track(frame);
 }
 
 void RefinedTracker::begin(const NurbsCurve& initial) {
     fit_.Q = control_points_of(initial);
-    nuisances_.expect_length(initial.length());
+    const bool known = config_.thread.length_m > 0.0;
+    expected_length_m_ = known ? config_.thread.length_m : initial.length();
+    expected_length_sigma_m_ = known ? config_.refined.length_sigma_m : 0.03 * expected_length_m_;
+    fit_.length_m = expected_length_m_;
     velocity_m_s_.setZero();
     surprise_px_ = config_.refined.search_px;
     ends_.forget_motion();
@@ -83,9 +86,10 @@ void RefinedTracker::predict(const StereoFrame& frame) {
         problem_.expected.col(k) = fit_.Q.col(k) + (1.0 - u) * moved[0] + u * moved[1] +
                                    kVelocityDamping * dt * velocity_m_s_.col(k);
     }
-    nuisances_.wait(dt);
-    problem_.nuisances = nuisances_.prior();
-    MeasuredEnds::place(frame, problem_.nuisances.mean, instruments_C_);
+    ends_.wait(dt);
+    ends_.place(frame, instruments_C_);
+    problem_.length_m = expected_length_m_;
+    problem_.length_sigma_m = expected_length_sigma_m_;
 }
 
 void RefinedTracker::refine(const StereoFrame& frame, double first_search_px, Fit& fit) {
@@ -98,24 +102,14 @@ void RefinedTracker::refine(const StereoFrame& frame, double first_search_px, Fi
                             {{share(0.25), 0.3, true}, 0.5, 2}};
     ends_.expect(frame, problem_);
     for (const Round& round : rounds) {
-        const scenes::StereoRig rig = fit.nuisances.eye.applied_to(rig_);
         if (round.look.closely)
-            ends_.look(frame, rig, images_, refinement_.basis(), fit, nuisances_.covariance(), problem_);
-        sight_.look(rig, images_, refinement_.samples(), fit.Q, instruments_C_, round.look, problem_.lines);
+            ends_.look(frame, images_, refinement_.basis(), fit.Q, fit.length_m, problem_);
+        sight_.look(images_, refinement_.samples(), fit.Q, instruments_C_, round.look, problem_.lines);
         problem_.robust_px = round.robust_px * scale_;
-        refinement_.refine(problem_, round.iterations, fit);
+        refinement_.refine(problem_, round.iterations, fit.Q, fit.length_m);
     }
-    fit.quality = judge_fit(problem_.lines, refinement_.samples(), fit.Q, fit.nuisances.length_m,
-                            fit.nuisances.eye.applied_to(rig_), loss_test_);
+    fit.quality = judge_fit(problem_.lines, refinement_.samples(), fit.Q, fit.length_m, rig_, loss_test_);
     fit.quality.end_off_m = ends_.farthest_m(frame, fit.Q);
-}
-
-// What was given of eye and length is judged by a fit that does not trust it, before it is trusted.
-void RefinedTracker::look_doubting(const StereoFrame& frame) {
-    problem_.nuisances = nuisances_.doubting_prior();
-    look_near_expected(frame);
-    if (!is_lost(fit_.quality, loss_test_) && refinement_.covariance(problem_, fit_, covariance_)) learn();
-    problem_.nuisances = nuisances_.prior();
 }
 
 // As far about the prediction as predictions were wrong lately: what lies farther off is another line.
@@ -125,7 +119,7 @@ void RefinedTracker::look_near_expected(const StereoFrame& frame) {
     const double search_px = kLeastSearch_px + kSearchPerSurprise * surprise_px_;
     for (const double within_px : {std::min(search_px, widest_px), widest_px}) {
         fit_.Q = expected_;
-        fit_.nuisances = problem_.nuisances.mean;
+        fit_.length_m = problem_.length_m;
         refine(frame, within_px, fit_);
         if (!is_lost(fit_.quality, loss_test_) || within_px == widest_px) return;
     }
@@ -134,14 +128,13 @@ void RefinedTracker::look_near_expected(const StereoFrame& frame) {
 // How far off the thread was across the prediction's images, at most; px at 640.
 double RefinedTracker::surprise_px() const {
     double most = 0.0;
-    const scenes::StereoRig rig = fit_.nuisances.eye.applied_to(rig_);
     for (std::size_t eye = 0; eye < 2; ++eye) {
-        const scenes::Camera& camera = eye == 0 ? rig.left : rig.right;
+        const scenes::Camera& camera = eye == 0 ? rig_.left : rig_.right;
         for (std::size_t j = 0; j < refinement_.samples().size(); ++j) {
             const LineMeasurement& line = problem_.lines[eye][j];
             if (line.kind != LineMeasurement::Kind::kSeen) continue;
             Eigen::Vector3d p = refinement_.samples()[j].point(expected_);
-            if (eye == 1) p = rig.X_RC * p;
+            if (eye == 1) p = rig_.X_RC * p;
             most = std::max(most, std::abs(line.normal.dot(camera.project(p) - line.point_px)));
         }
     }
@@ -158,9 +151,6 @@ const TrackResult& RefinedTracker::track(const StereoFrame& frame) {
     predict(frame);
     show("before", problem_.expected);
     expected_ = problem_.expected;
-    // A free end slides along the thread while nothing holds the length.
-    first_look_ = capture_time_s_ < 0.0 && frame.tips[0] && frame.tips[1];
-    if (first_look_) look_doubting(frame);
     look_near_expected(frame);
     timings_.refinement_ms = elapsed_ms(began);
     if (is_lost(fit_.quality, loss_test_) && config_.refined.recovery) recover(frame);
@@ -195,7 +185,7 @@ NurbsCurve RefinedTracker::curve_of(const Eigen::Matrix3Xd& Q) const {
 void RefinedTracker::try_fit(const StereoFrame& frame, const NurbsCurve& curve, Fit& best) {
     chosen_problem_ = problem_;
     other_.Q = control_points_of(curve);
-    other_.nuisances = problem_.nuisances.mean;
+    other_.length_m = expected_length_m_;
     problem_.expected = other_.Q;
     refine(frame, 0.6 * config_.refined.search_px, other_);
     if (!is_lost(other_.quality, loss_test_) && other_.quality.score() > best.quality.score())
@@ -246,28 +236,25 @@ void RefinedTracker::conclude(const StereoFrame& frame) {
 }
 
 void RefinedTracker::fill_estimate(const StereoFrame& frame) {
-    if (refinement_.covariance(problem_, fit_, covariance_) && status_ == scenes::TrackStatus::kTracking &&
-        !first_look_)
-        learn();
+    double length_variance = 0.0;
+    const bool determined =
+        refinement_.covariance(problem_, fit_.Q, fit_.length_m, covariance_, length_variance);
+    if (determined && status_ == scenes::TrackStatus::kTracking) {
+        ends_.learn(frame, problem_, refinement_, fit_.Q, covariance_);
+        if (config_.thread.length_m <= 0.0) {
+            expected_length_m_ = fit_.length_m;
+            expected_length_sigma_m_ = std::max(std::sqrt(length_variance + 4e-10), 0.004 * fit_.length_m);
+        }
+    }
     result_.frame = frame.index;
     result_.estimate.capture_time_s = frame.capture_time_s;
     result_.estimate.status = status_;
     result_.estimate.confidence = std::clamp(fit_.quality.worst_window, 0.0, 1.0);
     result_.support = fit_.quality.support;
-    const Nuisances::Vector sigmas = nuisances_.covariance().diagonal().cwiseSqrt();
-    result_.eye_correction = nuisances_.mean().eye;
-    result_.eye_sigmas = {sigmas[Nuisances::kRow], sigmas[Nuisances::kRoll]};
     result_.control_points.resize(static_cast<std::size_t>(fit_.Q.cols()));
     for (int k = 0; k < fit_.Q.cols(); ++k)
         result_.control_points[static_cast<std::size_t>(k)] = fit_.Q.col(k);
-    sample_with_uncertainty(refinement_.basis(), fit_.Q, covariance_.curve, arc_, result_.estimate.samples);
-}
-
-// What a good fit says beyond its frame.
-void RefinedTracker::learn() {
-    nuisances_.learn(problem_.nuisances, fit_.nuisances, covariance_.border,
-                     refinement_.noise_part(problem_, fit_, covariance_));
-    ends_.learn();
+    sample_with_uncertainty(refinement_.basis(), fit_.Q, covariance_, arc_, result_.estimate.samples);
 }
 
 const TrackResult& RefinedTracker::lost(const StereoFrame& frame) {

@@ -9,7 +9,6 @@
 #include "tracker/curve_sight.hpp"
 #include "tracker/loss_test.hpp"
 #include "tracker/measured_ends.hpp"
-#include "tracker/nuisance_belief.hpp"
 #include "tracker/recovery.hpp"
 #include "tracker/stereo_tracker.hpp"
 
@@ -37,7 +36,9 @@ class RefinedTracker final : public StereoTracker {
 
   private:
     /// A curve and how well the last frame bears it out.
-    struct Fit : FittedCurve {
+    struct Fit {
+        Eigen::Matrix3Xd Q;
+        double length_m = 0.0;
         FitQuality quality;
     };
 
@@ -53,14 +54,12 @@ class RefinedTracker final : public StereoTracker {
     NurbsCurve curve_of(const Eigen::Matrix3Xd& Q) const;
     void predict(const StereoFrame& frame);
     void refine(const StereoFrame& frame, double first_search_px, Fit& fit);
-    void look_doubting(const StereoFrame& frame);
     void look_near_expected(const StereoFrame& frame);
     double surprise_px() const;
     void recover(const StereoFrame& frame);
     bool start_from_tips(const StereoFrame& frame);
     void try_fit(const StereoFrame& frame, const NurbsCurve& curve, Fit& best);
     void conclude(const StereoFrame& frame);
-    void learn();
     void fill_estimate(const StereoFrame& frame);
     void show(std::string_view stage, const Eigen::Matrix3Xd& Q);
     std::size_t method_state_size() const;
@@ -74,7 +73,6 @@ class RefinedTracker final : public StereoTracker {
     MeasuredEnds ends_;
     LossTestOptions loss_test_;
     Recovery recovery_;
-    NuisanceBelief nuisances_;
 
     // What passes from frame to frame.
     bool started_ = false;
@@ -85,18 +83,19 @@ class RefinedTracker final : public StereoTracker {
     Fit fit_;
     Eigen::Matrix3Xd velocity_m_s_;  ///< of the control points, beyond what the ends' motion explains
     double surprise_px_ = 0.0;       ///< that the thread was off its prediction by, lately at most; at 640
+    double expected_length_m_ = 0.0;
+    double expected_length_sigma_m_ = 0.0;
 
     // Working memory of one frame.
     Eigen::Matrix3Xd expected_;
     CurveProblem problem_;
-    bool first_look_ = false;  ///< of a curve that has just begun
     Fit trial_;
     Fit other_;
     CurveProblem chosen_problem_;
     std::vector<scenes::Capsule> instruments_C_;
     std::array<ImageView, 2> images_;
     std::array<cv::Mat, 2> buffers_;
-    CurveRefinement::Covariance covariance_;
+    Eigen::MatrixXd covariance_;
     std::vector<double> arc_;
 
     TrackResult result_;

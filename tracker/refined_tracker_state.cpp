@@ -7,7 +7,8 @@
 
 namespace atropos::tracker {
 
-// method_state: how wrong predictions were, velocities, nuisances, ends, expected depths of the thread.
+// method_state: length and its sigma, how wrong predictions were, velocities, what is known of the ends,
+// expected depths of the thread.
 TrackerState RefinedTracker::state() const {
     TrackerState state;
     state.started = started_;
@@ -18,9 +19,10 @@ TrackerState RefinedTracker::state() const {
     state.control_points = curve_of(fit_.Q).control_points();
     state.method_state.resize(method_state_size());
     double* out = state.method_state.data();
+    *out++ = expected_length_m_;
+    *out++ = expected_length_sigma_m_;
     *out++ = surprise_px_;
     out = std::copy_n(velocity_m_s_.data(), velocity_m_s_.size(), out);
-    out = nuisances_.save(out);
     ends_.save(out);
     sight_.save(out + MeasuredEnds::kStateSize);
     return state;
@@ -41,17 +43,18 @@ void RefinedTracker::restore(const TrackerState& state) {
     if (!started_) return;
     for (std::size_t k = 0; k < K; ++k) fit_.Q.col(static_cast<int>(k)) = state.control_points[k];
     const double* in = state.method_state.data();
+    expected_length_m_ = *in++;
+    expected_length_sigma_m_ = *in++;
     surprise_px_ = *in++;
     std::copy_n(in, velocity_m_s_.size(), velocity_m_s_.data());
     in += velocity_m_s_.size();
-    in = nuisances_.load(in);
     ends_.load(in);
     sight_.load(in + MeasuredEnds::kStateSize);
 }
 
 std::size_t RefinedTracker::method_state_size() const {
-    return 1 + static_cast<std::size_t>(velocity_m_s_.size()) + MeasuredEnds::kStateSize +
-           NuisanceBelief::kStateSize + sight_.state_size();
+    return 3 + static_cast<std::size_t>(velocity_m_s_.size()) + MeasuredEnds::kStateSize +
+           sight_.state_size();
 }
 
 }  // namespace atropos::tracker

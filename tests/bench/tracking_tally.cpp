@@ -64,12 +64,6 @@ bool TrackingTally::add(const scenes::ThreadEstimate& estimate, const scenes::Po
     }
     px *= 640.0 / rig.left.width_px;
     error_mm.add(mm);
-    scenes::Polyline found;
-    for (const scenes::ThreadSample& sample : estimate.samples) found.points.push_back(sample.p_C);
-    double back_mm = 0.0;
-    for (const Eigen::Vector3d& p : even.points)
-        back_mm += 1e3 * found.nearest(p).distance_m / static_cast<double>(n);
-    symmetric_mm.add(0.5 * (mm + back_mm));
     error_px.add(px);
     middle_mm.add(1e3 * (estimate.samples[n / 2].p_C - truth_C.point_at(0.5 * truth_C.length_m())).norm());
     silent += estimate.status == scenes::TrackStatus::kTracking && (mm > 3.0 || px > 5.0);

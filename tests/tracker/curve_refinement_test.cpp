@@ -40,8 +40,8 @@ double end_error_m(const CurvePriors& priors) {
     const Eigen::Matrix3Xd truth = control_points_of(thread);
     CurveProblem problem;
     problem.expected = truth;
-    problem.nuisances.mean.length_m = thread.length_m();
-    problem.nuisances.information(Nuisances::kLength, Nuisances::kLength) = 1.0 / (0.0002 * 0.0002);
+    problem.length_m = thread.length_m();
+    problem.length_sigma_m = 0.0002;
     for (std::size_t eye = 0; eye < 2; ++eye)
         for (std::size_t j = 0; j < kSamples; ++j) {
             LineMeasurement line;
@@ -55,9 +55,9 @@ double end_error_m(const CurvePriors& priors) {
                 j < 3 || j >= kSamples - 3 ? LineMeasurement::Kind::kHidden : LineMeasurement::Kind::kSeen;
             problem.lines[eye].push_back(line);
         }
-    FittedCurve found{truth, problem.nuisances.mean};
-    fit.refine(problem, 20, found);
-    const Eigen::Matrix3Xd& Q = found.Q;
+    Eigen::Matrix3Xd Q = truth;
+    double length_m = problem.length_m;
+    fit.refine(problem, 20, Q, length_m);
     return 0.5 * ((Q.col(0) - truth.col(0)).norm() + (Q.rightCols<1>() - truth.rightCols<1>()).norm());
 }
 
