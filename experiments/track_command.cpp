@@ -70,6 +70,17 @@ nlohmann::ordered_json track_meta(const Sequence& sequence, const scenes::SceneC
     return meta;
 }
 
+/// Throws FileError when it is no pixel of the left picture.
+std::optional<Eigen::Vector2d> seed_point(const TrackOptions& options, const scenes::Camera& left) {
+    if (options.seed_point.size() != 2) return std::nullopt;
+    const Eigen::Vector2d p(options.seed_point[0], options.seed_point[1]);
+    if (!(p.x() >= 0.0 && p.x() < left.width_px && p.y() >= 0.0 && p.y() < left.height_px))
+        throw FileError("--seed-point",
+                        fmt::format("{},{} lies outside the left picture, expected 0,0 to {},{}", p.x(),
+                                    p.y(), left.width_px - 1, left.height_px - 1));
+    return p;
+}
+
 void print_labels(const scenes::TrackerConfig& config, bool quiet) {
     if (quiet || config.method == scenes::TrackerMethod::kRefined) return;
     fmt::print(stderr, "labels: r {}, s {:.4g} mm, {} steps, {} labels a node\n", config.labels.r,
@@ -90,8 +101,7 @@ int track(const TrackOptions& options) {
     const bool refined = !external && scene.tracking.tracker.method == scenes::TrackerMethod::kRefined;
     const std::unique_ptr<SequenceArms> arms =  // the paper's trackers know no instruments
         refined ? SequenceArms::open(sequence, sequence.rig(), options.common.threads) : nullptr;
-    std::optional<Eigen::Vector2d> seed_px;
-    if (options.seed_point.size() == 2) seed_px = {options.seed_point[0], options.seed_point[1]};
+    const std::optional<Eigen::Vector2d> seed_px = seed_point(options, sequence.rig().left);
     ThreadStarter starter(scene.tracking.tracker, sequence.rig(), seed_px);
     if (options.explain >= sequence.frames())
         throw FileError("--explain", fmt::format("{} is beyond the last frame, {}", options.explain,

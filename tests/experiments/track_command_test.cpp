@@ -216,6 +216,8 @@ TEST_F(TrackCommandTest, starts_only_at_the_given_point) {
     };
     EXPECT_THAT(at(on.x(), on.y()), ElementsAre("tracking"));
     EXPECT_THAT(at(2.0, 2.0), ElementsAre("lost"));
+    for (const char* outside : {"9999,1", "-1,5", "nan,5"})
+        EXPECT_EQ(track(std::string("--force --seed-point=") + outside).status, 2) << outside;
 }
 
 TEST_F(TrackCommandTest, gives_the_same_bytes_without_the_truth) {
