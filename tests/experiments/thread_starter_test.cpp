@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "tests/support/synthetic_sequence.hpp"
+#include "tests/support/tracking_trial.hpp"
 
 namespace atropos::experiments {
 namespace {
@@ -16,13 +16,8 @@ TEST(ThreadStarter, keeps_the_ends_of_a_thread_whose_ends_nobody_measures) {
     const auto tracker = tracker::make_tracker(config, sequence.options().rig);
     ThreadStarter starter(config, sequence.options().rig);
     for (int i = 0; i < 11; ++i) {
-        const support::SyntheticFrame images = sequence.frame(i);
-        tracker::StereoFrame frame;
-        frame.index = i;
-        frame.capture_time_s = images.time_s;
-        frame.left = images.left;
-        frame.right = images.right;
-        frame.instruments = images.instruments_C;
+        tracker::StereoFrame frame = support::stereo_frame(sequence.frame(i), i);
+        frame.tips = {};
         const tracker::TrackResult& result = starter.track(*tracker, frame);
         ASSERT_EQ(result.estimate.status, scenes::TrackStatus::kTracking) << i;
         // The instruments, some mm of their noses, hide 3.1 mm at either end. Left alone, the curve shrinks
@@ -40,12 +35,7 @@ TEST(ThreadStarter, leaves_measured_ends_alone) {
     const auto started = tracker::make_tracker(config, sequence.options().rig);
     ThreadStarter starter(config, sequence.options().rig);
     for (int i = 0; i < 3; ++i) {
-        const support::SyntheticFrame images = sequence.frame(i);
-        tracker::StereoFrame frame;
-        frame.index = i;
-        frame.left = images.left;
-        frame.right = images.right;
-        for (std::size_t end = 0; end < 2; ++end) frame.tips[end] = tracker::MeasuredTip{images.tips_C[end]};
+        const tracker::StereoFrame frame = support::stereo_frame(sequence.frame(i), i);
         const std::vector<scenes::ThreadSample> expected = by_itself->track(frame).estimate.samples;
         const std::vector<scenes::ThreadSample>& samples = starter.track(*started, frame).estimate.samples;
         ASSERT_EQ(samples.size(), expected.size());
