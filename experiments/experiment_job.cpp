@@ -15,6 +15,7 @@
 #include "experiments/reprojection.hpp"
 #include "experiments/sequence_arms.hpp"
 #include "experiments/sequence_generator.hpp"
+#include "experiments/thread_starter.hpp"
 #include "experiments/track_writer.hpp"
 #include "scenes/scene_file.hpp"
 
@@ -58,6 +59,7 @@ void track_job(const JobSpec& job, const fs::path& sequence_folder, const fs::pa
     const std::unique_ptr<tracker::StereoTracker> tracker =
         job.command.empty() ? tracker::make_tracker(job.scene.tracking.tracker, rig)
                             : make_external_tracker({job.command}, rig, log, true);
+    ThreadStarter starter(job.scene.tracking.tracker, rig);
     const bool refined =
         job.command.empty() && job.scene.tracking.tracker.method == scenes::TrackerMethod::kRefined;
     const std::unique_ptr<SequenceArms> arms =  // the paper's trackers know no instruments
@@ -74,7 +76,8 @@ void track_job(const JobSpec& job, const fs::path& sequence_folder, const fs::pa
         degrade(frame, job.degradation, job.scene.seed);
         if (arms) arms->add_to(frame, k);
         knots.place(frame);
-        const tracker::TrackResult& result = tracker->track(frame);
+        const tracker::TrackResult& result =
+            job.command.empty() ? starter.track(*tracker, frame) : tracker->track(frame);
         knots.learn(frame, result.estimate);
         writer.add(result);
         writer.add_timings(tracker->timings());
