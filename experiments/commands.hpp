@@ -43,6 +43,7 @@ void add_check_command(CLI::App& program, Command& chosen);
 void add_replay_command(CLI::App& program, Command& chosen);
 void add_report_command(CLI::App& program, Command& chosen);
 void add_figure_command(CLI::App& program, Command& chosen);
+void add_learn_prior_command(CLI::App& program, Command& chosen);
 void add_import_command(CLI::App& program, Command& chosen);
 
 }  // namespace atropos::experiments

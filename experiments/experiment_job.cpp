@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "experiments/closed_loop.hpp"
+#include "experiments/configured_tracker.hpp"
 #include "experiments/external_tracker.hpp"
 #include "experiments/knot_ends.hpp"
 #include "experiments/metrics.hpp"
@@ -57,7 +58,7 @@ void track_job(const JobSpec& job, const fs::path& sequence_folder, const fs::pa
     const scenes::StereoRig rig = degraded(sequence.rig(), job.degradation);
     std::string log;
     const std::unique_ptr<tracker::StereoTracker> tracker =
-        job.command.empty() ? tracker::make_tracker(job.scene.tracking.tracker, rig)
+        job.command.empty() ? make_configured_tracker(job.scene.tracking.tracker, rig)
                             : make_external_tracker({job.command}, rig, log, true);
     ThreadStarter starter(job.scene.tracking.tracker, rig);
     const bool refined =

@@ -6,6 +6,7 @@
 
 #include "experiments/closed_loop.hpp"
 #include "experiments/commands.hpp"
+#include "experiments/configured_tracker.hpp"
 #include "experiments/exit_status.hpp"
 #include "experiments/outside_view.hpp"
 #include "experiments/overlay.hpp"
@@ -59,7 +60,7 @@ std::unique_ptr<Moment> track_until(const scenes::SceneConfig& scene, double tim
     if (testbed.is_knotted())
         throw std::invalid_argument("arms.PSM1 holds nothing, expected the thread's start in a figure");
     EndoscopeView endoscope(testbed);
-    const auto tracker = tracker::make_tracker(scene.tracking.tracker, testbed.rig());
+    const auto tracker = make_configured_tracker(scene.tracking.tracker, testbed.rig());
     tracker->set_observer(&moment->seen);
     const int frames = 1 + static_cast<int>(std::floor(time_s * scene.camera.fps_hz + 1e-9));
     for (int k = 0; k < frames; ++k) {

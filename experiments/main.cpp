@@ -54,6 +54,7 @@ int parse_and_run(int argc, char** argv) {
     add_replay_command(program, chosen);
     add_report_command(program, chosen);
     add_figure_command(program, chosen);
+    add_learn_prior_command(program, chosen);
     add_import_command(program, chosen);
     add_info_command(program, chosen);
     if (argc > 1 && argv[1][0] != '-' && !knows(program, argv[1]))

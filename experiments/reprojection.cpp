@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "experiments/append_file.hpp"
+#include "experiments/configured_tracker.hpp"
 #include "experiments/endoscope_view.hpp"
 #include "experiments/output_folder.hpp"
 #include "experiments/picture_file.hpp"
@@ -59,7 +60,7 @@ void make_reprojected_sequence(const scenes::SceneConfig& scene, const fs::path&
     Testbed testbed(scene);
     EndoscopeView first(testbed), second(testbed);
     const scenes::TrackerConfig config = first_tracker(testbed);
-    const auto tracker = tracker::make_tracker(config, testbed.told_rig());
+    const auto tracker = make_configured_tracker(config, testbed.told_rig());
     for (const char* name : {"calib", "left", "right", "truth"}) fs::create_directories(folder / name);
     write_file(folder / "calib" / "stereo.yaml", scenes::to_opencv_yaml(testbed.told_rig()));
     write_file(folder / "scene.yaml", scenes::to_yaml(scene));

@@ -1,5 +1,6 @@
 #include "experiments/scissors_pilot.hpp"
 
+#include "experiments/configured_tracker.hpp"
 #include "scenes/scene_file.hpp"
 #include "tracker/cut_check.hpp"
 
@@ -58,7 +59,7 @@ ScissorsPilot::ScissorsPilot(const scenes::SceneConfig& scene, const scenes::Ste
                              robot::PsmArm& scissors, const TrackerMaker& make_tracker)
     : scene_(scene),
       rig_(rig),
-      tracker_(make_tracker ? make_tracker(rig) : tracker::make_tracker(scene.tracking.tracker, rig)),
+      tracker_(make_tracker ? make_tracker(rig) : make_configured_tracker(scene.tracking.tracker, rig)),
       sights_(
           make_instrument_sights(scene.arms.accuracy, rig_, instruments, scene.tracking.tracker.threads)) {
     robot::ScissorsOptions options = scissors_options(scene_);

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "experiments/commands.hpp"
+#include "experiments/configured_tracker.hpp"
 #include "experiments/exit_status.hpp"
 #include "experiments/explain.hpp"
 #include "experiments/external_tracker.hpp"
@@ -97,7 +98,7 @@ int track(const TrackOptions& options) {
     std::string log;
     const std::unique_ptr<tracker::StereoTracker> tracker =
         external ? make_external_tracker(options.external, sequence.rig(), log, options.common.quiet)
-                 : tracker::make_tracker(scene.tracking.tracker, sequence.rig());
+                 : make_configured_tracker(scene.tracking.tracker, sequence.rig());
     const bool refined = !external && scene.tracking.tracker.method == scenes::TrackerMethod::kRefined;
     const std::unique_ptr<SequenceArms> arms =  // the paper's trackers know no instruments
         refined ? SequenceArms::open(sequence, sequence.rig(), options.common.threads) : nullptr;

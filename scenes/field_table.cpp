@@ -245,6 +245,11 @@ void visit_tracker(FieldVisitor& v, TrackingConfig& c) {
                  {0.0, 50.0});
         v.integer({"coasting_frames", "unseen for longer: lost"}, t.refined.coasting_frames, 0, 100000);
         v.flag({"recovery", "discrete search after a failed loss test"}, t.refined.recovery);
+        v.path({"prior_file", "how threads deform, from `atropos learn-prior`"}, t.refined.prior_file);
+        v.number({"prior_weight", "of that prior; 0: as without"}, t.refined.prior_weight, {0.0, 100.0});
+        v.flag({"rod", "predicts by an inextensible rod that the measured ends carry along"}, t.refined.rod);
+        v.vector({"gravity_C", "direction of gravity in the left camera, for the rod; [0, 0, 0]: unknown"},
+                 t.refined.gravity_C, {-1000.0, 1000.0});
     });
     v.section({"uncertainty", "one standard deviation of e1 and e2, at 640 wide; 0: the method's own"}, [&] {
         v.number({"lateral_px", "across the viewing ray"}, t.uncertainty.lateral_px, {0.0, 100.0});

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <string>
+
 namespace atropos::scenes {
 
 /// Which tracker runs: the paper's first and second approximation (eq. 10, 15), or the continuous refinement.
@@ -99,6 +102,10 @@ struct TrackerConfig {
         double instrument_sigma_m = 0.0007;  ///< of measured instruments: they are taken for two sigma larger
         int coasting_frames = 30;            ///< unseen for longer: lost
         bool recovery = true;                ///< discrete search after a failed loss test
+        std::string prior_file;              ///< of `atropos learn-prior`; empty: none
+        double prior_weight = 1.0;           ///< of that prior; 0 = as without
+        bool rod = false;                    ///< predicts by an inextensible rod whose ends are carried along
+        Eigen::Vector3d gravity_C = Eigen::Vector3d::Zero();  ///< direction; the rod's; zero = unknown
     } refined;
 };
 

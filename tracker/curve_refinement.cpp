@@ -210,10 +210,30 @@ double CurveRefinement::accumulate(const CurveProblem& problem, const Eigen::Mat
            add_points(problem, Q, normal_equations);
 }
 
+// The ends are left out: what is known of them says their own term.
+double CurveRefinement::add_deformation(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                                        bool normal_equations) {
+    if (problem.deformation.empty()) return 0.0;
+    offset_ = (Q - problem.expected).reshaped();
+    offset_.head<3>().setZero();
+    offset_.tail<3>().setZero();
+    double information = 0.0;
+    const double cost = problem.deformation.cost(offset_, unexplained_, information);
+    if (normal_equations)
+        for (int k = 1; k + 1 < basis_.count(); ++k)
+            add_point(k, unexplained_.segment<3>(3 * k), information, true);
+    return cost;
+}
+
+double CurveRefinement::cost(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
+                             bool normal_equations) {
+    return accumulate(problem, Q, length_m, normal_equations) + add_deformation(problem, Q, normal_equations);
+}
+
 double CurveRefinement::refine(const CurveProblem& problem, int iterations, Eigen::Matrix3Xd& Q,
                                double& length_m) {
     double damping = 1e-6;
-    double cost = accumulate(problem, Q, length_m, true);
+    double least = cost(problem, Q, length_m, true);
     for (int i = 0; i < iterations; ++i) {
         double length_step = 0.0;
         if (!system_.solve(damping, step_, length_step)) {
@@ -223,21 +243,20 @@ double CurveRefinement::refine(const CurveProblem& problem, int iterations, Eige
         trial_ = Q + step_.reshaped(3, basis_.count());
         const double trial_length_m = length_m + length_step;
         const bool sane = trial_length_m > 0.2 * length_m;
-        const double trial_cost =
-            sane ? accumulate(problem, trial_, trial_length_m, false) : 2.0 * cost + 1.0;
-        if (!(trial_cost <= cost)) {
+        const double trial_cost = sane ? cost(problem, trial_, trial_length_m, false) : 2.0 * least + 1.0;
+        if (!(trial_cost <= least)) {
             damping = std::max(1e-3, damping * 10.0);
             continue;
         }
         const bool converged = step_.lpNorm<Eigen::Infinity>() < 1e-6;
         Q = trial_;
         length_m = trial_length_m;
-        cost = trial_cost;
+        least = trial_cost;
         damping *= 0.1;
         if (converged) break;
-        if (i + 1 < iterations) accumulate(problem, Q, length_m, true);
+        if (i + 1 < iterations) cost(problem, Q, length_m, true);
     }
-    return cost;
+    return least;
 }
 
 bool CurveRefinement::covariance(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,

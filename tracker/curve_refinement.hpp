@@ -9,6 +9,7 @@
 #include "scenes/stereo_rig.hpp"
 #include "tracker/bordered_band_system.hpp"
 #include "tracker/cubic_basis.hpp"
+#include "tracker/deformation_prior.hpp"
 #include "tracker/stereo_tracker.hpp"
 
 namespace atropos::tracker {
@@ -51,8 +52,9 @@ struct CurveProblem {
     std::array<std::optional<EndPrior>, 2> ends;
     double length_m = 0.0;  ///< expected, with its sigma
     double length_sigma_m = 0.0;
-    double robust_px = 0.5;     ///< Cauchy's scale of the line residuals
-    Eigen::Matrix3Xd expected;  ///< control points by motion alone; 3 x K
+    double robust_px = 0.5;        ///< Cauchy's scale of the line residuals
+    Eigen::Matrix3Xd expected;     ///< control points by motion alone; 3 x K
+    DeformationModes deformation;  ///< about `expected`; empty: nothing was learned
 };
 
 /// Scales of the terms: each residual is divided by its sigma, so that the normal equations are the inverse
@@ -67,7 +69,8 @@ struct CurvePriors {
 };
 
 /// Continuous refinement of the curve: damped Gauss-Newton on 3K control points and the curve's length.
-/// Terms: line residuals of both eyes (Cauchy), length per parameter (eq. 7), bending, ends (II-F), motion.
+/// Terms: line residuals of both eyes (Cauchy), length per parameter (eq. 7), bending, ends (II-F), motion,
+/// and what was learned of deformation, which the covariance leaves out: a prediction is no second look.
 class CurveRefinement {
   public:
     CurveRefinement(int control_points, int samples, const CurvePriors& priors, const scenes::StereoRig& rig);
@@ -107,6 +110,9 @@ class CurveRefinement {
                        bool normal_equations);
     double add_points(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, bool normal_equations);
     double add_end(int k, const EndPrior& prior, const Eigen::Matrix3Xd& Q, bool normal_equations);
+    double add_deformation(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, bool normal_equations);
+    double cost(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
+                bool normal_equations);
     double add_point(int k, const Eigen::Vector3d& error, double weight, bool normal_equations);
 
     CurvePriors priors_;
@@ -118,6 +124,7 @@ class CurveRefinement {
     BorderedBandSystem system_;
     Eigen::VectorXd step_;
     Eigen::Matrix3Xd trial_;
+    Eigen::VectorXd offset_, unexplained_;  ///< of the control points from their prediction
 };
 
 }  // namespace atropos::tracker

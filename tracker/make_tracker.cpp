@@ -86,14 +86,20 @@ void validate(const scenes::TrackerConfig& config) {
     require_range("refined.tip_sigma_m", config.refined.tip_sigma_m, 1e-6, 1.0);
     require_range("refined.tip_bias_sigma_m", config.refined.tip_bias_sigma_m, 0.0, 1.0);
     require_range("refined.instrument_sigma_m", config.refined.instrument_sigma_m, 0.0, 0.1);
+    require_range("refined.prior_weight", config.refined.prior_weight, 0.0, 1000.0);
+    require(config.refined.gravity_C.allFinite(), "refined.gravity_C is not a number, expected a direction");
     require_range("refined.coasting_frames", config.refined.coasting_frames, 0, 100000);
 }
 
-std::unique_ptr<StereoTracker> make_tracker(const scenes::TrackerConfig& config,
-                                            const scenes::StereoRig& rig) {
+std::unique_ptr<StereoTracker> make_tracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig,
+                                            const DeformationPrior* prior) {
     validate(config);
-    if (config.method == scenes::TrackerMethod::kRefined)
-        return std::make_unique<RefinedTracker>(config, rig);
+    if (config.method == scenes::TrackerMethod::kRefined) {
+        require(prior || config.refined.prior_file.empty(),
+                "refined.prior_file is named and nothing of it given, expected what was learned");
+        return std::make_unique<RefinedTracker>(config, rig, CurvePriors{},
+                                                prior ? std::make_optional(*prior) : std::nullopt);
+    }
     return std::make_unique<ThreadTracker>(config, rig);
 }
 

@@ -65,6 +65,17 @@ std::optional<NurbsCurve> Recovery::near(const StereoFrame& frame, const NurbsCu
     return curve_of(search_.start(small(frame), fit_curve(sampled(curve, 100), fit)).control_points);
 }
 
+std::optional<NurbsCurve> Recovery::along_modes(const StereoFrame& frame,
+                                                const Eigen::Matrix3Xd& control_points, double length_m,
+                                                const DeformationModes& modes) {
+    if (!mode_search_) mode_search_.emplace(config_, rig_, static_cast<int>(control_points.cols()));
+    const Eigen::Matrix3Xd moved =
+        mode_search_->nearest(small(frame), control_points, length_m, modes, pool_);
+    std::vector<Eigen::Vector3d> points;
+    for (int k = 0; k < moved.cols(); ++k) points.emplace_back(moved.col(k));
+    return near(frame, NurbsCurve(3, std::move(points)));
+}
+
 std::optional<NurbsCurve> Recovery::between_tips(const StereoFrame& frame) {
     const auto found = initial_curve_between_tips(config_, rig_, small(frame), pool_, kLevels);
     if (!found) return std::nullopt;

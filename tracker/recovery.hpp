@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "tracker/mode_search.hpp"
 #include "tracker/stereo_tracker.hpp"
 #include "tracker/thread_tracker.hpp"
 
@@ -19,6 +20,10 @@ class Recovery {
     /// In the neighbourhood of a curve.
     std::optional<NurbsCurve> near(const StereoFrame& frame, const NurbsCurve& curve);
 
+    /// In the neighbourhood of a curve of `control_points` (3 x K) that deforms as was learned.
+    std::optional<NurbsCurve> along_modes(const StereoFrame& frame, const Eigen::Matrix3Xd& control_points,
+                                          double length_m, const DeformationModes& modes);
+
     /// Anywhere between two measured ends (III); nothing when an end is unknown or no thread is seen.
     std::optional<NurbsCurve> between_tips(const StereoFrame& frame);
 
@@ -30,6 +35,7 @@ class Recovery {
     double shrinkage_;       ///< of the pictures that are searched
     scenes::StereoRig rig_;  ///< of those
     ThreadTracker search_;
+    std::optional<ModeSearch> mode_search_;  ///< once it was asked for
     scenes::WorkerPool pool_;
     StereoFrame small_;
     std::array<cv::Mat, 2> shrunk_;

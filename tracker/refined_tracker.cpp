@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "tracker/curve_uncertainty.hpp"
 
 namespace atropos::tracker {
 namespace {
 
-constexpr double kVelocityDamping = 0.5;
 constexpr double kLeastSearch_px = 3.0;     ///< about a prediction that is right; at 640
 constexpr double kSearchPerSurprise = 2.0;  ///< more of it for each px that predictions were off by lately
 constexpr double kSurpriseKept = 0.7;       ///< from one frame to the next
@@ -21,21 +23,33 @@ double elapsed_ms(std::chrono::steady_clock::time_point since) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
 }
 
+void check_prior(const DeformationPrior& prior, int control_points) {
+    validate(prior);
+    if (prior.control_points != control_points)
+        throw std::invalid_argument(
+            "a learned prior of " + std::to_string(prior.control_points) +
+            " control points, expected refined.K = " + std::to_string(control_points));
+}
+
 }  // namespace
 
 RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig)
     : RefinedTracker(config, rig, CurvePriors{}) {}
 
 RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig,
-                               const CurvePriors& priors)
+                               const CurvePriors& priors, std::optional<DeformationPrior> deformation)
     : config_(config),
       rig_(rig),
       scale_(rig.left.width_px / 640.0),
       refinement_(config.refined.control_points, config.refined.samples, priors, rig),
       sight_(config, rig),
       ends_(config, rig, sight_.filter_options()),
-      recovery_(config, rig) {
+      recovery_(config, rig),
+      deformation_(std::move(deformation)) {
     validate(config);
+    if (config.refined.prior_weight == 0.0) deformation_.reset();
+    if (deformation_) check_prior(*deformation_, config.refined.control_points);
+    if (config.refined.rod) rod_.emplace(refinement_.basis(), config.refined.gravity_C);
     const std::size_t samples = static_cast<std::size_t>(config.refined.samples);
     const int K = config.refined.control_points;
     loss_test_.residual_px *= scale_;
@@ -44,7 +58,7 @@ RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes
     fit_.Q.setZero(3, K);
     trial_.Q.setZero(3, K);
     problem_.expected.setZero(3, K);
-    velocity_m_s_.setZero(3, K);
+    motion_.velocity_m_s.setZero(3, K);
     covariance_.setZero(3 * K, 3 * K);
     for (auto& lines : problem_.lines) lines.resize(samples);
 }
@@ -64,7 +78,7 @@ void RefinedTracker::begin(const NurbsCurve& initial) {
     expected_length_m_ = known ? config_.thread.length_m : initial.length();
     expected_length_sigma_m_ = known ? config_.refined.length_sigma_m : 0.03 * expected_length_m_;
     fit_.length_m = expected_length_m_;
-    velocity_m_s_.setZero();
+    motion_.velocity_m_s.setZero();
     surprise_px_ = config_.refined.search_px;
     ends_.forget_motion();
     sight_.reset();
@@ -74,17 +88,18 @@ void RefinedTracker::begin(const NurbsCurve& initial) {
     capture_time_s_ = -1.0;
 }
 
-// The ends' measured motion carries the curve linearly along it, free of the ends' constant error; what else
-// the control points did lately goes on, damped.
+// The ends' measured motion is free of their constant error.
 void RefinedTracker::predict(const StereoFrame& frame) {
-    const int K = config_.refined.control_points;
     const double dt =
         capture_time_s_ < 0.0 ? 0.0 : std::clamp(frame.capture_time_s - capture_time_s_, 0.0, 1.0);
-    const std::array<Eigen::Vector3d, 2> moved = ends_.motion(frame);
-    for (int k = 0; k < K; ++k) {
-        const double u = static_cast<double>(k) / (K - 1);
-        problem_.expected.col(k) = fit_.Q.col(k) + (1.0 - u) * moved[0] + u * moved[1] +
-                                   kVelocityDamping * dt * velocity_m_s_.col(k);
+    motion_.predict(fit_.Q, ends_.motion(frame), dt, problem_.expected);
+    problem_.deformation = {};
+    if (capture_time_s_ >= 0.0) {
+        if (rod_)
+            rod_->correct(fit_.Q, {frame.tips[0].has_value(), frame.tips[1].has_value()}, dt,
+                          problem_.expected);
+        if (deformation_) problem_.deformation = placed(*deformation_, fit_.Q, dt * (1 + frames_unseen_));
+        problem_.deformation.weight *= config_.refined.prior_weight;
     }
     ends_.wait(dt);
     ends_.place(frame, instruments_C_);
@@ -159,7 +174,7 @@ const TrackResult& RefinedTracker::track(const StereoFrame& frame) {
     confirmed_ = true;
 
     const double dt = capture_time_s_ < 0.0 ? 0.0 : frame.capture_time_s - capture_time_s_;
-    if (dt > 0.0) velocity_m_s_ = kVelocityDamping * velocity_m_s_ + (fit_.Q - expected_) / dt;
+    if (dt > 0.0) motion_.follow(fit_.Q, expected_, dt);
     show("refined", fit_.Q);
     conclude(frame);
     timings_.total_ms = elapsed_ms(began);
@@ -187,6 +202,7 @@ void RefinedTracker::try_fit(const StereoFrame& frame, const NurbsCurve& curve, 
     other_.Q = control_points_of(curve);
     other_.length_m = expected_length_m_;
     problem_.expected = other_.Q;
+    problem_.deformation = {};  // what was searched for is no prediction
     refine(frame, 0.6 * config_.refined.search_px, other_);
     if (!is_lost(other_.quality, loss_test_) && other_.quality.score() > best.quality.score())
         std::swap(best, other_);
@@ -205,10 +221,15 @@ void RefinedTracker::recover(const StereoFrame& frame) {
                              fit_.quality.rms_stretch <= loss_test_.rms_stretch &&
                              fit_.quality.end_off_m <= loss_test_.end_off_m;
     if (turn == 0 && (frames_unseen_ > 0 || !mostly_seen))
-        if (const auto found = recovery_.near(frame, curve_of(expected))) try_fit(frame, *found, fit_);
+        if (const auto found = near(frame, expected)) try_fit(frame, *found, fit_);
     if (turn == kRetryFrames)
         if (const auto found = recovery_.between_tips(frame)) try_fit(frame, *found, fit_);
     timings_.optimiser_ms = elapsed_ms(began);
+}
+
+std::optional<NurbsCurve> RefinedTracker::near(const StereoFrame& frame, const Eigen::Matrix3Xd& expected) {
+    if (problem_.deformation.empty()) return recovery_.near(frame, curve_of(expected));
+    return recovery_.along_modes(frame, expected, expected_length_m_, problem_.deformation);
 }
 
 bool RefinedTracker::start_from_tips(const StereoFrame& frame) {

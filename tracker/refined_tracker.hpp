@@ -9,7 +9,9 @@
 #include "tracker/curve_sight.hpp"
 #include "tracker/loss_test.hpp"
 #include "tracker/measured_ends.hpp"
+#include "tracker/motion_prediction.hpp"
 #include "tracker/recovery.hpp"
+#include "tracker/rod_prediction.hpp"
 #include "tracker/stereo_tracker.hpp"
 
 namespace atropos::tracker {
@@ -21,7 +23,7 @@ class RefinedTracker final : public StereoTracker {
   public:
     RefinedTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig);
     RefinedTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig,
-                   const CurvePriors& priors);
+                   const CurvePriors& priors, std::optional<DeformationPrior> deformation = std::nullopt);
     ~RefinedTracker() override;
 
     /// Takes an initial curve of any degree and number of control points.
@@ -57,6 +59,7 @@ class RefinedTracker final : public StereoTracker {
     void look_near_expected(const StereoFrame& frame);
     double surprise_px() const;
     void recover(const StereoFrame& frame);
+    std::optional<NurbsCurve> near(const StereoFrame& frame, const Eigen::Matrix3Xd& expected);
     bool start_from_tips(const StereoFrame& frame);
     void try_fit(const StereoFrame& frame, const NurbsCurve& curve, Fit& best);
     void conclude(const StereoFrame& frame);
@@ -73,6 +76,8 @@ class RefinedTracker final : public StereoTracker {
     MeasuredEnds ends_;
     LossTestOptions loss_test_;
     Recovery recovery_;
+    std::optional<DeformationPrior> deformation_;
+    std::optional<RodPrediction> rod_;
 
     // What passes from frame to frame.
     bool started_ = false;
@@ -81,8 +86,8 @@ class RefinedTracker final : public StereoTracker {
     int frames_unseen_ = 0;
     double capture_time_s_ = 0.0;
     Fit fit_;
-    Eigen::Matrix3Xd velocity_m_s_;  ///< of the control points, beyond what the ends' motion explains
-    double surprise_px_ = 0.0;       ///< that the thread was off its prediction by, lately at most; at 640
+    MotionPrediction motion_;
+    double surprise_px_ = 0.0;  ///< that the thread was off its prediction by, lately at most; at 640
     double expected_length_m_ = 0.0;
     double expected_length_sigma_m_ = 0.0;
 

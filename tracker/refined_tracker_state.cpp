@@ -22,7 +22,7 @@ TrackerState RefinedTracker::state() const {
     *out++ = expected_length_m_;
     *out++ = expected_length_sigma_m_;
     *out++ = surprise_px_;
-    out = std::copy_n(velocity_m_s_.data(), velocity_m_s_.size(), out);
+    out = std::copy_n(motion_.velocity_m_s.data(), motion_.velocity_m_s.size(), out);
     ends_.save(out);
     sight_.save(out + MeasuredEnds::kStateSize);
     return state;
@@ -46,14 +46,14 @@ void RefinedTracker::restore(const TrackerState& state) {
     expected_length_m_ = *in++;
     expected_length_sigma_m_ = *in++;
     surprise_px_ = *in++;
-    std::copy_n(in, velocity_m_s_.size(), velocity_m_s_.data());
-    in += velocity_m_s_.size();
+    std::copy_n(in, motion_.velocity_m_s.size(), motion_.velocity_m_s.data());
+    in += motion_.velocity_m_s.size();
     ends_.load(in);
     sight_.load(in + MeasuredEnds::kStateSize);
 }
 
 std::size_t RefinedTracker::method_state_size() const {
-    return 3 + static_cast<std::size_t>(velocity_m_s_.size()) + MeasuredEnds::kStateSize +
+    return 3 + static_cast<std::size_t>(motion_.velocity_m_s.size()) + MeasuredEnds::kStateSize +
            sight_.state_size();
 }
 

@@ -119,9 +119,13 @@ class StereoTracker {
 /// Throws std::invalid_argument that names the field and what it allows.
 void validate(const scenes::TrackerConfig& config);
 
-/// The tracker that `config.method` names.
-std::unique_ptr<StereoTracker> make_tracker(const scenes::TrackerConfig& config,
-                                            const scenes::StereoRig& rig);
+struct DeformationPrior;
+
+/// The tracker that `config.method` names. `prior`: what `config.refined.prior_file` holds, which no tracker
+/// reads itself; nullptr = none. Throws std::invalid_argument when one is named and not given, and for a
+/// prior of another K.
+std::unique_ptr<StereoTracker> make_tracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig,
+                                            const DeformationPrior* prior = nullptr);
 
 /// Throws std::invalid_argument unless images and tips of `frame` fit the rig: the check of every tracker.
 void check_frame(const StereoFrame& frame, const scenes::StereoRig& rig);

@@ -23,7 +23,8 @@ std::unique_ptr<tracker::StereoTracker> tracker_of(const Contender& contender, c
     config.thread.width_m = c.options.width_m;
     if (config.method != scenes::TrackerMethod::kRefined) return tracker::make_tracker(config, c.options.rig);
     if (c.control_points != 16) config.refined.control_points = c.control_points;
-    return std::make_unique<tracker::RefinedTracker>(config, c.options.rig, contender.priors);
+    return std::make_unique<tracker::RefinedTracker>(config, c.options.rig, contender.priors,
+                                                     contender.deformation);
 }
 
 tracker::NurbsCurve start_curve(const scenes::Polyline& truth, const RefinedCase& c, bool refined) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct Contender {
     std::string name;
     scenes::TrackerConfig config;
     tracker::CurvePriors priors = {};  ///< of the refined ones
+    std::optional<tracker::DeformationPrior> deformation = {};
 };
 
 /// The refined tracker as it is by default.

@@ -9,9 +9,11 @@
 //   1-5 tracker_table refined-ablation [FRAMES [SEEDS [CASE]]]  one of its terms changed at a time, E1 and E2
 //   beside tracker_table refined-frames [FRAMES [SEEDS [CASE]]]    one line a frame tracker_table
 //   refined-worst FOLDER [FRAMES [SEEDS [CASE]]]  pictures of the ten worst frames of each case
+//   tracker_table prior [FRAMES [SEEDS [CASE [FILE...]]]]  learned priors and the rod on hard rows
 // FOLDER keeps what is done, so that an interrupted run goes on where it stopped.
 #include <malloc.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -44,6 +46,10 @@ int main(int argc, char** argv) {
             return print_refined_ablation(number(1, 100), seeds(2), wanted);
         if (!words.empty() && words[0] == "refined-frames")
             return print_refined_frames(number(1, 100), seeds(2), wanted);
+        if (!words.empty() && words[0] == "prior")
+            return print_prior_table(
+                number(1, 100), seeds(2), wanted,
+                {words.begin() + std::min<long>(4, static_cast<long>(words.size())), words.end()});
         if (words.size() >= 2 && words[0] == "refined-worst")
             return draw_worst_frames(words[1], number(2, 100), seeds(3), words.size() > 4 ? words[4] : "");
         if (words.size() >= 3 && words[0] == "paper")
@@ -57,7 +63,7 @@ int main(int argc, char** argv) {
         if (words.size() >= 2 && words[0] == "tune") return print_tuning(words[1], number(2, 200));
         std::fprintf(stderr,
                      "tracker_table: unknown words, expected paper or sigmas CAMERA FOLDER, rigs FOLDER, "
-                     "starts, ablation, tune CAMERA, refined, refined-ablation, refined-frames or "
+                     "starts, ablation, tune CAMERA, refined, refined-ablation, prior, refined-frames or "
                      "refined-worst FOLDER\n");
     } catch (const std::exception& error) {
         std::fprintf(stderr, "tracker_table: %s\n", error.what());

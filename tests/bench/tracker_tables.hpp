@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tests/bench/refined_run.hpp"
 
@@ -26,6 +27,11 @@ int print_refined_table(int frames, const SeedRange& seeds, const std::string& w
 
 /// The same with one term changed at a time, and the paper's trackers; always returns 0.
 int print_refined_ablation(int frames, const SeedRange& seeds, const std::string& wanted);
+
+/// Hard rows as the tracker is, with learned priors (of drawn sequences and of `files`), and with a rod that
+/// predicts; always returns 0.
+int print_prior_table(int frames, const SeedRange& seeds, const std::string& wanted,
+                      const std::vector<std::string>& files);
 
 /// One line for each frame of the refined tracker; always returns 0.
 int print_refined_frames(int frames, const SeedRange& seeds, const std::string& wanted);

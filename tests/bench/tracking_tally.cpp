@@ -62,6 +62,12 @@ bool TrackingTally::add(const scenes::ThreadEstimate& estimate, const scenes::Po
               (image[0].nearest({left.x(), left.y(), 0.0}).distance_m +
                image[1].nearest({right.x(), right.y(), 0.0}).distance_m);
     }
+    scenes::Polyline seen;
+    for (const scenes::ThreadSample& sample : estimate.samples) seen.points.push_back(sample.p_C);
+    double back_mm = 0.0;
+    for (const Eigen::Vector3d& p : even.points)
+        back_mm += 1e3 * seen.nearest(p).distance_m / static_cast<double>(n);
+    symmetric_mm.add(0.5 * (mm + back_mm));
     px *= 640.0 / rig.left.width_px;
     error_mm.add(mm);
     error_px.add(px);

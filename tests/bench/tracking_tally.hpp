@@ -29,7 +29,7 @@ class Values {
 /// exceeds 5 px or its 3D error 3 mm while the status says tracking.
 class TrackingTally {
   public:
-    Values error_mm, error_px, middle_mm, frame_ms;
+    Values error_mm, symmetric_mm, error_px, middle_mm, frame_ms;
     Values depth_sigmas, lateral_sigmas, along_sigmas;  ///< offsets over their stated sigmas, per sample
     int frames = 0, failed = 0, events = 0, silent = 0, lost = 0, coasting = 0;
 
