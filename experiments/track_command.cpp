@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <memory>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "experiments/commands.hpp"
@@ -82,6 +83,31 @@ std::optional<Eigen::Vector2d> seed_point(const TrackOptions& options, const sce
     return p;
 }
 
+/// What the tracker found that was given wrongly, or not for certain: with one sigma, into `meta` and to the
+/// user.
+void report_found(const tracker::TrackResult& last, double given_length_m, bool quiet,
+                  nlohmann::ordered_json& meta) {
+    if (last.eye) {
+        constexpr double kDegrees = 180.0 / std::numbers::pi;
+        const tracker::EyeCorrection found = last.eye->correction, sigma = last.eye->sigmas();
+        meta["calibration"] = {{"right_row_offset_px", found.row_px},
+                               {"right_row_offset_sigma_px", sigma.row_px},
+                               {"right_roll_deg", kDegrees * found.roll_rad},
+                               {"right_roll_sigma_deg", kDegrees * sigma.roll_rad}};
+        if (!quiet)
+            fmt::print(stderr,
+                       "right eye: rows off by {:.3f} +- {:.3f} px, roll by {:.3f} +- {:.3f} degrees\n",
+                       found.row_px, sigma.row_px, kDegrees * found.roll_rad, kDegrees * sigma.roll_rad);
+    }
+    if (last.length_refuted) {
+        const double found_mm = 1e3 * last.estimate.length_m();
+        meta["length"] = {{"given_mm", 1e3 * given_length_m}, {"found_mm", found_mm}};
+        if (!quiet)
+            fmt::print(stderr, "length: {:.1f} mm was given, {:.1f} mm is seen\n", 1e3 * given_length_m,
+                       found_mm);
+    }
+}
+
 void print_labels(const scenes::TrackerConfig& config, bool quiet) {
     if (quiet || config.method == scenes::TrackerMethod::kRefined) return;
     fmt::print(stderr, "labels: r {}, s {:.4g} mm, {} steps, {} labels a node\n", config.labels.r,
@@ -117,6 +143,7 @@ int track(const TrackOptions& options) {
     tracker::TrackerState before;
     KnotEnds knots;
     tracker::StereoFrame frame;
+    tracker::TrackResult last;
     for (int i = 0; i < frames; ++i) {
         frame = sequence.frame(i);
         if (arms) arms->add_to(frame, i);
@@ -127,6 +154,7 @@ int track(const TrackOptions& options) {
             external ? tracker->track(frame) : starter.track(*tracker, frame);
         knots.learn(frame, result.estimate);
         writer.add(result);
+        if (!result.estimate.samples.empty()) last = result;
         writer.add_state(tracker->state());
         writer.add_timings(tracker->timings());
         if (options.overlay) {
@@ -144,7 +172,9 @@ int track(const TrackOptions& options) {
     }
     if (video) video->close();
     if (options.explain >= 0) explain_frame(*tracker, before, sequence, frame, output.path() / "explain");
-    writer.write(output.path(), track_meta(sequence, scene, options.external.command));
+    nlohmann::ordered_json meta = track_meta(sequence, scene, options.external.command);
+    report_found(last, scene.tracking.tracker.thread.length_m, options.common.quiet, meta);
+    writer.write(output.path(), meta);
     if (external) write_file(output.path() / "tracker.log", log);
     output.commit();
     return kDone;

@@ -243,6 +243,10 @@ void visit_tracker(FieldVisitor& v, TrackingConfig& c) {
                  t.refined.tip_bias_sigma_m, {0.0, 50.0});
         v.number({"instrument_sigma_mm", "of measured instruments"}, t.refined.instrument_sigma_m,
                  {0.0, 50.0});
+        v.number(
+            {"row_sigma_px",
+             "of the right eye's rows against the calibration, at 640 wide; 0: it is exact; 1: a real rig"},
+            t.refined.row_sigma_px, {0.0, 50.0});
         v.integer({"coasting_frames", "unseen for longer: lost"}, t.refined.coasting_frames, 0, 100000);
         v.flag({"recovery", "discrete search after a failed loss test"}, t.refined.recovery);
         v.path({"prior_file", "how threads deform, from `atropos learn-prior`"}, t.refined.prior_file);

@@ -100,6 +100,7 @@ struct TrackerConfig {
         double tip_sigma_m = 0.0003;     ///< of measured ends, what is new in each frame
         double tip_bias_sigma_m = 0.0011;    ///< of measured ends, each axis: the arm's constant error
         double instrument_sigma_m = 0.0007;  ///< of measured instruments: they are taken for two sigma larger
+        double row_sigma_px = 0.0;           ///< of the right eye's rows in a calibration that is off, at 640
         int coasting_frames = 30;            ///< unseen for longer: lost
         bool recovery = true;                ///< discrete search after a failed loss test
         std::string prior_file;              ///< of `atropos learn-prior`; empty: none

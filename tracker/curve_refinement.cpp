@@ -110,6 +110,28 @@ Eigen::Matrix3d CurveRefinement::noise_part(const CurveProblem& problem, const E
     return part;
 }
 
+// The gradient's change by the eye, H^-1 times its negative: lines of the right eye alone know of it.
+Eigen::MatrixX2d CurveRefinement::by_eye(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                                         const Eigen::MatrixXd& covariance) const {
+    Eigen::MatrixX2d pull = Eigen::MatrixX2d::Zero(Q.size(), 2);
+    const double c2 = problem.robust_px * problem.robust_px;
+    for (std::size_t j = 0; j < samples_.size(); ++j) {
+        const LineMeasurement& line = problem.lines[1][j];
+        if (line.kind != LineMeasurement::Kind::kSeen) continue;
+        const std::optional<LineTerm> term = line_term(line, 1, j, Q);
+        if (!term) continue;
+        const Eigen::Vector3d p = rig_.X_RC * samples_[j].point(Q);
+        Eigen::Matrix<double, 2, 3> J_px;
+        rig_.right.project(p, J_px);
+        const Eigen::RowVector2d by_eye(line.normal.y(),
+                                        line.normal.dot(J_px * Eigen::Vector3d(-p.y(), p.x(), 0.0)));
+        const double weight = 1.0 / (line.sigma_px * line.sigma_px * (1.0 + term->r_px * term->r_px / c2));
+        pull.middleRows<12>(3 * samples_[j].first) -=
+            weight * by_control_points(samples_[j].value, term->by_point) * by_eye;
+    }
+    return covariance * pull;
+}
+
 double CurveRefinement::add_length(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
                                    bool normal_equations) {
     const double weight = 1.0 / (priors_.stretch_sigma * priors_.stretch_sigma);

@@ -75,6 +75,9 @@ class CurveRefinement {
   public:
     CurveRefinement(int control_points, int samples, const CurvePriors& priors, const scenes::StereoRig& rig);
 
+    /// Other cameras from now on.
+    void set_rig(const scenes::StereoRig& rig) { rig_ = rig; }
+
     const CubicBasis& basis() const { return basis_; }
     const std::vector<CubicBasisValues>& samples() const { return samples_; }
 
@@ -90,6 +93,10 @@ class CurveRefinement {
     /// terms taken for true; `covariance` is that of the solution, as above.
     Eigen::Matrix3d noise_part(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
                                const Eigen::MatrixXd& covariance, int k) const;
+
+    /// How the solution moves with what the right eye is off by: d Q / d (row, roll), 3K x 2.
+    Eigen::MatrixX2d by_eye(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                            const Eigen::MatrixXd& covariance) const;
 
   private:
     /// A line's residual and its derivative by the point in C.

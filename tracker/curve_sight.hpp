@@ -31,6 +31,9 @@ class CurveSight {
 
     CurveSight(const scenes::TrackerConfig& config, const scenes::StereoRig& rig);
 
+    /// Other cameras from now on.
+    void set_rig(const scenes::StereoRig& rig) { rig_ = rig; }
+
     const ValleyFilterOptions& filter_options() const { return filter_.options(); }
 
     /// One line a sample and eye. `instruments_C` hide what lies behind them.

@@ -15,14 +15,17 @@ constexpr double kStep_m = 0.0001;
 constexpr double kInside_m = 0.009;
 constexpr double kOutside_m = 0.006;
 constexpr int kPoints = 151;
-constexpr int kEnd = 90;  ///< index of the curve's end
-constexpr double kLeastGap_m = 0.0008;
+constexpr int kEnd = 90;      ///< index of the curve's end
+constexpr int kLeastGap = 8;  ///< steps
+constexpr int kMargin = 15;   ///< steps before an edge that are looked at
 constexpr double kLeastTail_m = 0.0007;
 constexpr double kMostTail = 4.0;  ///< log odds: a long tail tells no more of where it begins
 constexpr double kWider_m = 0.0005;
 constexpr double kMostSlope = 2.2;
 constexpr double kOdds = 0.25;  ///< log odds of "visible" a step, where the thread is seen fully
 constexpr double kEdgeSigma_m = 0.00015;
+constexpr double kFreeSigma_m = 0.0003;    ///< of an end with nothing about it
+constexpr double kFarSigma_m = 0.002;      ///< of one that lies still further on
 constexpr double kShapeSigma_m = 0.00025;  ///< an outline that is not that of the capsules, lopsided
 
 double at(int index) {
@@ -134,6 +137,37 @@ void GripSight::weigh(const ImageView& image, std::size_t eye, std::span<const s
     }
 }
 
+// Well seen before, not seen after.
+bool GripSight::vanishes_at(int index) const {
+    const auto between = [this](int from, int to) {
+        return (sum_[static_cast<std::size_t>(to)] - sum_[static_cast<std::size_t>(from)]) /
+               ((to - from) * kOdds);
+    };
+    return between(index - kMargin, index) >= 0.4 && between(index, index + kLeastGap) <= -0.3;
+}
+
+std::optional<GripSighting> GripSight::look_free(const std::array<ImageView, 2>& images,
+                                                 const CubicBasis& basis, const Eigen::Matrix3Xd& Q,
+                                                 double length_m, std::size_t end,
+                                                 std::span<const scenes::Capsule> instruments_C) {
+    follow(basis, Q, length_m, end);
+    GripSighting sighting;
+    int seen = 0;
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        weigh(images[eye], eye, instruments_C);
+        const int edge = static_cast<int>(std::max_element(sum_.begin(), sum_.end()) - sum_.begin());
+        if (edge < kMargin) continue;
+        const bool goes_on = edge + kLeastGap > kPoints;  // beyond what was looked at
+        if (!goes_on && !vanishes_at(edge)) continue;
+        sighting.offset_m += at(edge) - 0.5 * kStep_m;
+        sighting.sigma_m = std::max(sighting.sigma_m, goes_on ? kFarSigma_m : kFreeSigma_m);
+        ++seen;
+    }
+    if (seen == 0) return std::nullopt;
+    sighting.offset_m /= seen;
+    return sighting;
+}
+
 // Visible up to A, hidden up to B, visible for some length: the A and B of the largest log odds.
 GripSight::Edges GripSight::find(const Outline& predicted, const GripQuery& query) {
     const double expected_m = predicted.inner->at_m + query.expected_m - query.excess_m;
@@ -142,12 +176,10 @@ GripSight::Edges GripSight::find(const Outline& predicted, const GripQuery& quer
     const double width_m =
         predicted.outer ? predicted.outer->at_m - predicted.inner->at_m + 2.0 * query.excess_m : 0.0;
     const double width_variance = 4.0 * (query.excess_variance_m2 + kShapeSigma_m * kShapeSigma_m);
-    const int least_gap = static_cast<int>(std::lround(kLeastGap_m / kStep_m));
-    const int margin = static_cast<int>(std::lround(0.0015 / kStep_m));
     double best = -1e18;
     int best_A = -1, best_B = -1;
     // Index i stands between places i - 1 and i.
-    for (int A = margin; A + least_gap <= kPoints; ++A) {
+    for (int A = kMargin; A + kLeastGap <= kPoints; ++A) {
         const double off = at(A) - 0.5 * kStep_m - expected_m;
         const double own = sum_[static_cast<std::size_t>(A)] - 0.5 * off * off / variance;
         if (own > best) {
@@ -156,7 +188,7 @@ GripSight::Edges GripSight::find(const Outline& predicted, const GripQuery& quer
             best_B = -1;
         }
         if (!predicted.outer) continue;
-        for (int B = A + least_gap; B < kPoints; ++B) {
+        for (int B = A + kLeastGap; B < kPoints; ++B) {
             const double tail = tail_[static_cast<std::size_t>(B)];
             if (tail < kLeastTail_m / kStep_m * kOdds) continue;
             const double wide = (B - A) * kStep_m - width_m;
@@ -171,12 +203,7 @@ GripSight::Edges GripSight::find(const Outline& predicted, const GripQuery& quer
     }
     Edges edges;
     if (best_A < 0) return edges;
-    // Well seen before, not seen after.
-    const auto between = [this](int from, int to) {
-        return (sum_[static_cast<std::size_t>(to)] - sum_[static_cast<std::size_t>(from)]) /
-               ((to - from) * kOdds);
-    };
-    if (between(best_A - margin, best_A) < 0.4 || between(best_A, best_A + least_gap) > -0.3) return edges;
+    if (!vanishes_at(best_A)) return edges;
     edges.inner_m = at(best_A) - 0.5 * kStep_m;
     if (best_B > 0) edges.outer_m = at(best_B) - 0.5 * kStep_m;
     return edges;

@@ -44,9 +44,17 @@ class GripSight {
 
     GripSight(const scenes::StereoRig& rig, const ValleyFilterOptions& filter, double thread_width_m);
 
+    /// Other cameras from now on.
+    void set_rig(const scenes::StereoRig& rig) { rig_ = rig; }
+
     /// Nothing when the thread is not seen to vanish there.
     std::optional<GripSighting> look(const std::array<ImageView, 2>& images, const CubicBasis& basis,
                                      const Eigen::Matrix3Xd& Q, double length_m, const GripQuery& query);
+
+    /// Where along the curve the thread ends of itself, no jaws about it. Nothing when it is not seen to end.
+    std::optional<GripSighting> look_free(const std::array<ImageView, 2>& images, const CubicBasis& basis,
+                                          const Eigen::Matrix3Xd& Q, double length_m, std::size_t end,
+                                          std::span<const scenes::Capsule> instruments_C);
 
   private:
     /// Where the capsules begin or end to hide the path, and how far that moves if they grow, per length.
@@ -68,6 +76,7 @@ class GripSight {
     Outline predict(const Eigen::Vector3d& eye_C, std::span<const scenes::Capsule> jaws_C) const;
     void weigh(const ImageView& image, std::size_t eye, std::span<const scenes::Capsule> others_C);
     Edges find(const Outline& predicted, const GripQuery& query);
+    bool vanishes_at(int index) const;
 
     scenes::StereoRig rig_;
     ValleyFilter filter_;

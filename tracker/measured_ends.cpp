@@ -8,6 +8,7 @@ namespace atropos::tracker {
 namespace {
 
 constexpr double kRobustSigmas = 6.0;
+constexpr double kUnknown = 1e-6;  ///< of the information along the thread: what is known across it
 
 EndBelief::Options belief_options(const scenes::TrackerConfig& config) {
     return {.bias_sigma_m = config.refined.tip_bias_sigma_m, .jitter_sigma_m = config.refined.tip_sigma_m};
@@ -75,9 +76,18 @@ void MeasuredEnds::look(const StereoFrame& frame, const std::array<ImageView, 2>
                         CurveProblem& problem) {
     expect(frame, problem);
     for (std::size_t end = 0; end < 2; ++end) {
-        if (!is_held(frame.tips[end])) continue;
+        if (frame.tips[end] && !is_held(frame.tips[end])) continue;
         const int last = static_cast<int>(Q.cols()) - 1, k = end == 0 ? 0 : last;
         const Eigen::Vector3d outwards = (Q.col(k) - Q.col(end == 0 ? 1 : k - 1)).normalized();
+        if (!frame.tips[end]) {
+            const auto free_end = grip_sight_.look_free(images, basis, Q, length_m, end, frame.instruments);
+            if (!free_end) continue;
+            const double sharpness = 1.0 / (free_end->sigma_m * free_end->sigma_m);
+            problem.ends[end] = {Q.col(k) + free_end->offset_m * outwards,
+                                 sharpness * outwards * outwards.transpose() +
+                                     kUnknown * sharpness * Eigen::Matrix3d::Identity()};
+            continue;
+        }
         const UncertainPoint& expected = expected_[end];
         GripQuery query;
         query.end = end;

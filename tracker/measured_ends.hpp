@@ -24,6 +24,9 @@ class MeasuredEnds {
     MeasuredEnds(const scenes::TrackerConfig& config, const scenes::StereoRig& rig,
                  const ValleyFilterOptions& filter);
 
+    /// Other cameras from now on.
+    void set_rig(const scenes::StereoRig& rig) { grip_sight_.set_rig(rig); }
+
     /// Forgets what the arms are off by.
     void reset();
     /// Forgets where the ends were measured last.

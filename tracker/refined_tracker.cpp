@@ -19,6 +19,12 @@ constexpr int kRetryFrames = 4;             ///< between searches for a thread t
 constexpr double kMostlySeen = 0.6;         ///< support of a curve that is right but for a stretch
 constexpr double kLeastEndOff_m = 0.004;    ///< no end is lost that is nearer to where it was measured
 
+constexpr double kRollPerRow = 0.0035;    ///< sigma of the roll for a sigma of one row at 640
+constexpr double kDoubtSigmas = 3.0;      ///< a length further off is compared with a free one
+constexpr double kRefutedSigmas = 4.0;    ///< and refuted by that
+constexpr double kWrongLength = 0.1;      ///< sigma of lengths that are given wrongly, share of it
+constexpr double kLengthWanders = 0.002;  ///< sigma from frame to frame of one that is not given, share of it
+
 double elapsed_ms(std::chrono::steady_clock::time_point since) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - since).count();
 }
@@ -39,6 +45,7 @@ RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes
 RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes::StereoRig& rig,
                                const CurvePriors& priors, std::optional<DeformationPrior> deformation)
     : config_(config),
+      given_rig_(rig),
       rig_(rig),
       scale_(rig.left.width_px / 640.0),
       refinement_(config.refined.control_points, config.refined.samples, priors, rig),
@@ -55,6 +62,10 @@ RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes
     loss_test_.residual_px *= scale_;
     loss_test_.end_off_m = std::max(
         kLeastEndOff_m, 5.0 * std::hypot(config.refined.tip_bias_sigma_m, config.refined.tip_sigma_m));
+    if (config.refined.row_sigma_px > 0.0)
+        eye_.emplace(EyeSight::Options{.row_sigma_px = config.refined.row_sigma_px,
+                                       .roll_sigma_rad = kRollPerRow * config.refined.row_sigma_px},
+                     rig);
     fit_.Q.setZero(3, K);
     trial_.Q.setZero(3, K);
     problem_.expected.setZero(3, K);
@@ -68,13 +79,15 @@ RefinedTracker::~RefinedTracker() = default;
 const TrackResult& RefinedTracker::start(const StereoFrame& frame, const NurbsCurve& initial) {
     check_frame(frame, rig_);
     ends_.reset();
+    length_refuted_ = false;
+    if (eye_) eye_->reset();
     begin(initial);
     return track(frame);
 }
 
 void RefinedTracker::begin(const NurbsCurve& initial) {
     fit_.Q = control_points_of(initial);
-    const bool known = config_.thread.length_m > 0.0;
+    const bool known = takes_given_length();
     expected_length_m_ = known ? config_.thread.length_m : initial.length();
     expected_length_sigma_m_ = known ? config_.refined.length_sigma_m : 0.03 * expected_length_m_;
     fit_.length_m = expected_length_m_;
@@ -86,6 +99,20 @@ void RefinedTracker::begin(const NurbsCurve& initial) {
     status_ = scenes::TrackStatus::kTracking;
     frames_unseen_ = 0;
     capture_time_s_ = -1.0;
+}
+
+// The cameras of this frame: what the right eye was found to be off by, with what this frame says of it.
+void RefinedTracker::correct_eye(const StereoFrame& frame) {
+    const bool first = capture_time_s_ < 0.0;
+    eye_->look(images_, first ? 0.0 : std::clamp(frame.capture_time_s - capture_time_s_, 0.0, 1.0));
+    set_rig(eye_->found().correction.applied_to(given_rig_));
+}
+
+void RefinedTracker::set_rig(const scenes::StereoRig& rig) {
+    rig_ = rig;
+    refinement_.set_rig(rig);
+    sight_.set_rig(rig);
+    ends_.set_rig(rig);
 }
 
 // The ends' measured motion is free of their constant error.
@@ -140,6 +167,33 @@ void RefinedTracker::look_near_expected(const StereoFrame& frame) {
     }
 }
 
+// A length that is given may be wrong. A curve that has just begun tells: later the arms' learned errors have
+// made up for it. What the first fit says of the length beside the prior, if far enough from it, is compared
+// with a fit that is free to choose.
+void RefinedTracker::doubt_length(const StereoFrame& frame) {
+    if (is_lost(fit_.quality, loss_test_) || std::abs(length_surprise()) <= kDoubtSigmas) return;
+    const double given_m = expected_length_m_, sigma_m = expected_length_sigma_m_;
+    expected_length_sigma_m_ = kWrongLength * given_m;
+    problem_.length_sigma_m = expected_length_sigma_m_;
+    look_near_expected(frame);
+    length_refuted_ = !is_lost(fit_.quality, loss_test_) && std::abs(length_surprise()) > kRefutedSigmas;
+    if (length_refuted_) return;
+    expected_length_sigma_m_ = problem_.length_sigma_m = sigma_m;
+    look_near_expected(frame);
+}
+
+// Of what the fit says apart from what it was told, in sigmas: M = 1 / variance - 1 / sigma^2.
+double RefinedTracker::length_surprise() {
+    double variance = 0.0;
+    if (!refinement_.covariance(problem_, fit_.Q, fit_.length_m, covariance_, variance)) return 0.0;
+    const double told = 1.0 / (problem_.length_sigma_m * problem_.length_sigma_m);
+    const double information = 1.0 / variance - told;
+    if (!(information > 0.0)) return 0.0;
+    const double off_m = (fit_.length_m - problem_.length_m) / (information * variance);
+    const double given_sigma_m = config_.refined.length_sigma_m;
+    return off_m / std::sqrt(1.0 / information + given_sigma_m * given_sigma_m);
+}
+
 // How far off the thread was across the prediction's images, at most; px at 640.
 double RefinedTracker::surprise_px() const {
     double most = 0.0;
@@ -163,10 +217,14 @@ const TrackResult& RefinedTracker::track(const StereoFrame& frame) {
     if (!started_ && !start_from_tips(frame)) return lost(frame);
     images_[0] = channel_view(frame.left, config_.thread.channel, buffers_[0]);
     images_[1] = channel_view(frame.right, config_.thread.channel, buffers_[1]);
+    const bool first = capture_time_s_ < 0.0;
+    if (eye_) correct_eye(frame);
     predict(frame);
     show("before", problem_.expected);
     expected_ = problem_.expected;
     look_near_expected(frame);
+    // An end that is neither measured nor seen slides along the thread.
+    if (first && takes_given_length() && problem_.ends[0] && problem_.ends[1]) doubt_length(frame);
     timings_.refinement_ms = elapsed_ms(began);
     if (is_lost(fit_.quality, loss_test_) && config_.refined.recovery) recover(frame);
 
@@ -262,9 +320,10 @@ void RefinedTracker::fill_estimate(const StereoFrame& frame) {
         refinement_.covariance(problem_, fit_.Q, fit_.length_m, covariance_, length_variance);
     if (determined && status_ == scenes::TrackStatus::kTracking) {
         ends_.learn(frame, problem_, refinement_, fit_.Q, covariance_);
-        if (config_.thread.length_m <= 0.0) {
+        if (!takes_given_length()) {
             expected_length_m_ = fit_.length_m;
-            expected_length_sigma_m_ = std::max(std::sqrt(length_variance + 4e-10), 0.004 * fit_.length_m);
+            expected_length_sigma_m_ =
+                std::max(std::sqrt(length_variance + 4e-10), kLengthWanders * fit_.length_m);
         }
     }
     result_.frame = frame.index;
@@ -275,6 +334,13 @@ void RefinedTracker::fill_estimate(const StereoFrame& frame) {
     result_.control_points.resize(static_cast<std::size_t>(fit_.Q.cols()));
     for (int k = 0; k < fit_.Q.cols(); ++k)
         result_.control_points[static_cast<std::size_t>(k)] = fit_.Q.col(k);
+    result_.eye.reset();
+    if (eye_) {
+        result_.eye = eye_->found();
+        const Eigen::MatrixX2d moved = refinement_.by_eye(problem_, fit_.Q, covariance_);
+        covariance_ += moved * result_.eye->covariance * moved.transpose();
+    }
+    result_.length_refuted = length_refuted_;
     sample_with_uncertainty(refinement_.basis(), fit_.Q, covariance_, arc_, result_.estimate.samples);
 }
 

@@ -7,6 +7,7 @@
 
 #include "tracker/curve_refinement.hpp"
 #include "tracker/curve_sight.hpp"
+#include "tracker/eye_sight.hpp"
 #include "tracker/loss_test.hpp"
 #include "tracker/measured_ends.hpp"
 #include "tracker/motion_prediction.hpp"
@@ -55,8 +56,13 @@ class RefinedTracker final : public StereoTracker {
     Eigen::Matrix3Xd control_points_of(const NurbsCurve& curve) const;
     NurbsCurve curve_of(const Eigen::Matrix3Xd& Q) const;
     void predict(const StereoFrame& frame);
+    void correct_eye(const StereoFrame& frame);
+    void set_rig(const scenes::StereoRig& rig);
     void refine(const StereoFrame& frame, double first_search_px, Fit& fit);
     void look_near_expected(const StereoFrame& frame);
+    bool takes_given_length() const { return config_.thread.length_m > 0.0 && !length_refuted_; }
+    void doubt_length(const StereoFrame& frame);
+    double length_surprise();
     double surprise_px() const;
     void recover(const StereoFrame& frame);
     std::optional<NurbsCurve> near(const StereoFrame& frame, const Eigen::Matrix3Xd& expected);
@@ -69,8 +75,9 @@ class RefinedTracker final : public StereoTracker {
     const TrackResult& lost(const StereoFrame& frame);
 
     scenes::TrackerConfig config_;
-    scenes::StereoRig rig_;
-    double scale_;  ///< image width over 640
+    scenes::StereoRig given_rig_;
+    scenes::StereoRig rig_;  ///< with the right eye as it was found to be
+    double scale_;           ///< image width over 640
     CurveRefinement refinement_;
     CurveSight sight_;
     MeasuredEnds ends_;
@@ -78,6 +85,7 @@ class RefinedTracker final : public StereoTracker {
     Recovery recovery_;
     std::optional<DeformationPrior> deformation_;
     std::optional<RodPrediction> rod_;
+    std::optional<EyeSight> eye_;  ///< where the calibration is doubted
 
     // What passes from frame to frame.
     bool started_ = false;
@@ -90,6 +98,7 @@ class RefinedTracker final : public StereoTracker {
     double surprise_px_ = 0.0;  ///< that the thread was off its prediction by, lately at most; at 640
     double expected_length_m_ = 0.0;
     double expected_length_sigma_m_ = 0.0;
+    bool length_refuted_ = false;  ///< the length that was given
 
     // Working memory of one frame.
     Eigen::Matrix3Xd expected_;

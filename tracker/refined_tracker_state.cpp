@@ -21,10 +21,12 @@ TrackerState RefinedTracker::state() const {
     double* out = state.method_state.data();
     *out++ = expected_length_m_;
     *out++ = expected_length_sigma_m_;
+    *out++ = length_refuted_ ? 1.0 : 0.0;
     *out++ = surprise_px_;
     out = std::copy_n(motion_.velocity_m_s.data(), motion_.velocity_m_s.size(), out);
     ends_.save(out);
     sight_.save(out + MeasuredEnds::kStateSize);
+    if (eye_) eye_->save(out + MeasuredEnds::kStateSize + sight_.state_size());
     return state;
 }
 
@@ -45,16 +47,20 @@ void RefinedTracker::restore(const TrackerState& state) {
     const double* in = state.method_state.data();
     expected_length_m_ = *in++;
     expected_length_sigma_m_ = *in++;
+    length_refuted_ = *in++ != 0.0;
     surprise_px_ = *in++;
     std::copy_n(in, motion_.velocity_m_s.size(), motion_.velocity_m_s.data());
     in += motion_.velocity_m_s.size();
     ends_.load(in);
     sight_.load(in + MeasuredEnds::kStateSize);
+    if (!eye_) return;
+    eye_->load(in + MeasuredEnds::kStateSize + sight_.state_size());
+    set_rig(eye_->found().correction.applied_to(given_rig_));
 }
 
 std::size_t RefinedTracker::method_state_size() const {
-    return 3 + static_cast<std::size_t>(motion_.velocity_m_s.size()) + MeasuredEnds::kStateSize +
-           sight_.state_size();
+    return 4 + static_cast<std::size_t>(motion_.velocity_m_s.size()) + MeasuredEnds::kStateSize +
+           sight_.state_size() + (eye_ ? EyeSight::kStateSize : 0);
 }
 
 }  // namespace atropos::tracker

@@ -14,6 +14,7 @@
 #include "scenes/stereo_rig.hpp"
 #include "scenes/thread_estimate.hpp"
 #include "scenes/tracker_config.hpp"
+#include "tracker/eye_correction.hpp"
 #include "tracker/nurbs_curve.hpp"
 
 namespace atropos::tracker {
@@ -61,8 +62,10 @@ struct TrackResult {
     scenes::ThreadEstimate estimate;
     std::vector<Eigen::Vector3d> control_points;  ///< K points in C, m; empty when lost
     EnergyTerms energy;
-    std::vector<int> labels;  ///< chosen label of node k in step j at [j * K + k]; 0 = no displacement
-    double support = 0.0;     ///< share of the curve's samples, both eyes, that lie on a ridge
+    std::vector<int> labels;      ///< chosen label of node k in step j at [j * K + k]; 0 = no displacement
+    double support = 0.0;         ///< share of the curve's samples, both eyes, that lie on a ridge
+    bool length_refuted = false;  ///< the length that was given is not the thread's
+    std::optional<EyeFound> eye;  ///< what the right eye is off by, where the tracker looks for it
 };
 
 /// All that a tracker carries from one frame to the next; restoring it repeats what followed to the byte.

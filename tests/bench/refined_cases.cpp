@@ -63,11 +63,61 @@ std::vector<RefinedCase> refined_cases() {
         });
     add("faint", "14 grey levels of contrast at noise 4", {.mean_mm = 1.0, .lost_percent = 10.0},
         [](RefinedCase& c) { c.options.contrast = 14.0; });
+    // Worse than what is given rightly by half, at most: 0.09 mm.
+    const RowBounds no_worse{.symmetric_mm = 0.135, .length_percent = 2.0};
+    add("length-right", "length given", {.length_percent = 2.0}, [](RefinedCase&) {});
+    add("length-10", "10 % too long", no_worse, [](RefinedCase& c) { c.told_length = 1.1; });
+    add("length-90", "10 % too short", no_worse, [](RefinedCase& c) { c.told_length = 0.9; });
+    add("length-none", "not given", no_worse, [](RefinedCase& c) { c.told_length = 0.0; });
+    add("length-grows", "given, but 1.5 mm/s are paid out", no_worse,
+        [](RefinedCase& c) { c.options.paid_out_m = 0.00005; });
+    add("free-right", "end 1 free, length given", no_worse,
+        [](RefinedCase& c) { c.options.free_end = true; });
+    add("free-10", "end 1 free, 10 % too long", no_worse, [](RefinedCase& c) {
+        c.options.free_end = true;
+        c.told_length = 1.1;
+    });
+    add("free-none", "end 1 free, length not given", no_worse, [](RefinedCase& c) {
+        c.options.free_end = true;
+        c.told_length = 0.0;
+    });
+    add("length-grows-none", "not given, and 1.5 mm/s are paid out", no_worse, [](RefinedCase& c) {
+        c.options.paid_out_m = 0.00005;
+        c.told_length = 0.0;
+    });
+    add("eye-right", "rows right, and doubted", {.mean_mm = 1.3 * 0.09},
+        [](RefinedCase& c) { c.row_sigma_px = 1.0; });
+    add("eye-1", "rows 1.5 px and 0.2 degrees off", {.mean_mm = 1.3 * 0.09}, [](RefinedCase& c) {
+        c.row_offset_px = 1.5;
+        c.roll_rad = 0.2 * std::numbers::pi / 180.0;
+        c.row_sigma_px = 1.0;
+    });
+    add("eye-3", "the same, acceleration 3", {.mean_mm = 1.3 * 0.11}, [](RefinedCase& c) {
+        c.row_offset_px = 1.5;
+        c.roll_rad = 0.2 * std::numbers::pi / 180.0;
+        c.row_sigma_px = 1.0;
+        c.options.acceleration = 3;
+    });
     return all;
+}
+
+// The calibration is wrong by it: what the tracker should find.
+tracker::EyeCorrection calibration_error(const RefinedCase& c) {
+    const double sign = c.options.seed % 2 == 0 ? 1.0 : -1.0, turn = c.options.seed % 4 < 2 ? 1.0 : -1.0;
+    return {sign * c.row_offset_px * c.options.rig.left.width_px / 640.0, turn * c.roll_rad};
+}
+
+scenes::StereoRig told_rig(const RefinedCase& c) {
+    const tracker::EyeCorrection error = calibration_error(c);
+    scenes::StereoRig rig = c.options.rig;
+    rig.right.cy_px -= error.row_px;
+    rig.X_RC = Eigen::AngleAxisd(-error.roll_rad, Eigen::Vector3d::UnitZ()) * rig.X_RC;
+    return rig;
 }
 
 tracker::StereoFrame measured_frame(const RefinedCase& c, const support::SyntheticFrame& drawn, int index) {
     tracker::StereoFrame frame = support::stereo_frame(drawn, index);
+    if (c.options.free_end) frame.tips[1].reset();
     if (!(c.mask_error_m > 0.0)) return frame;
     scenes::RandomStream random(c.options.seed, "mask error");
     for (scenes::Capsule& capsule : frame.instruments) {

@@ -19,11 +19,12 @@ double cpu_time_s() {
 
 std::unique_ptr<tracker::StereoTracker> tracker_of(const Contender& contender, const RefinedCase& c) {
     scenes::TrackerConfig config = contender.config;
-    config.thread.length_m = c.options.length_m;
+    config.thread.length_m = c.told_length * c.options.length_m;
     config.thread.width_m = c.options.width_m;
-    if (config.method != scenes::TrackerMethod::kRefined) return tracker::make_tracker(config, c.options.rig);
+    if (config.method != scenes::TrackerMethod::kRefined) return tracker::make_tracker(config, told_rig(c));
+    config.refined.row_sigma_px = c.row_sigma_px;
     if (c.control_points != 16) config.refined.control_points = c.control_points;
-    return std::make_unique<tracker::RefinedTracker>(config, c.options.rig, contender.priors,
+    return std::make_unique<tracker::RefinedTracker>(config, told_rig(c), contender.priors,
                                                      contender.deformation);
 }
 
@@ -44,6 +45,16 @@ double bound_m(const RefinedCase& c, const support::SyntheticFrame& drawn) {
                                   .control_points = c.control_points};
     options.tip_sigma_m = std::max(options.tip_sigma_m, 0.4 * c.options.tip_error_m);
     return tracker::cramer_rao_bound(drawn.truth_C, c.options.rig, drawn.instruments_C, options).mean_3d_m;
+}
+
+void judge_nuisances(const RefinedCase& c, const support::SyntheticFrame& drawn,
+                     const tracker::TrackResult& result, RowRun& run) {
+    const double length_m = drawn.truth_C.length_m();
+    run.length_percent.add(100.0 * std::abs(result.estimate.length_m() / length_m - 1.0));
+    const tracker::EyeCorrection error = calibration_error(c);
+    const tracker::EyeCorrection found = result.eye ? result.eye->correction : tracker::EyeCorrection{};
+    if (error.row_px != 0.0) run.row_share.add(std::abs(found.row_px / error.row_px - 1.0));
+    if (error.roll_rad != 0.0) run.roll_share.add(std::abs(found.roll_rad / error.roll_rad - 1.0));
 }
 
 }  // namespace
@@ -84,6 +95,10 @@ RowRun run_row(const RefinedCase& row_case, const std::vector<Contender>& conten
                 if (t == 0 && options.look)
                     options.look({c, i, drawn, result, run.tallies[0].error_mm.last(),
                                   run.tallies[0].error_px.last(), run.tallies[0].middle_mm.last()});
+                if (t == 0 && i >= 30 && !result.estimate.samples.empty()) {
+                    run.late_error_mm.add(run.tallies[0].error_mm.last());
+                    judge_nuisances(c, drawn, result, run);
+                }
                 if (t > 0 || returned || i < clear) continue;
                 returned = !failed && result.estimate.status == scenes::TrackStatus::kTracking;
                 run.frames_to_return = std::max(run.frames_to_return, i - clear + (returned ? 0 : 1));

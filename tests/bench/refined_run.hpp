@@ -48,6 +48,9 @@ struct RowRun {
     std::vector<TrackingTally> tallies;  ///< of each contender
     Values bound_mm;                     ///< Bayesian Cramer-Rao, of every tenth frame
     double largest_motion_px = 0.0;      ///< of the knots, from one frame to the next
+    Values late_error_mm;                ///< of the first contender after 30 frames
+    Values length_percent;               ///< of the first contender after 30 frames, off
+    Values row_share, roll_share;        ///< likewise, of what the right eye is off by: off, share of it
     int frames_to_return = 0;            ///< of the first contender, after an occlusion, at most
 };
 

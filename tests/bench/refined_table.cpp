@@ -79,6 +79,22 @@ int print_refined_table(int frames, const SeedRange& seeds, const std::string& w
             all &= met(run.frames_to_return <= c.bounds.frames_to_return,
                        "seen again after %.0f frames at most, bound %.0f", run.frames_to_return,
                        c.bounds.frames_to_return);
+        if (c.bounds.symmetric_mm > 0.0)
+            all &= met(t.symmetric_mm.mean() <= c.bounds.symmetric_mm, "symmetric mean %.3f mm, bound %.3f",
+                       t.symmetric_mm.mean(), c.bounds.symmetric_mm);
+        if (c.bounds.length_percent > 0.0 || c.row_sigma_px > 0.0)
+            std::printf("- from frame 30 on: 3D mean %.3f mm, length %.2f %% off in the mean\n",
+                        run.late_error_mm.mean(), run.length_percent.mean());
+        if (c.bounds.length_percent > 0.0)
+            all &= met(run.length_percent.quantile(1.0) <= c.bounds.length_percent,
+                       "length %.2f %% off at most after 30 frames, bound %.1f",
+                       run.length_percent.quantile(1.0), c.bounds.length_percent);
+        if (c.row_offset_px > 0.0) {
+            all &= met(run.row_share.mean() <= 0.2, "row offset found to %.0f %% after 30 frames, bound %.0f",
+                       100.0 * run.row_share.mean(), 20.0);
+            all &= met(run.roll_share.mean() <= 0.2, "roll found to %.0f %%, bound %.0f",
+                       100.0 * run.roll_share.mean(), 20.0);
+        }
         if (c.name[0] == 'S') {
             accelerations += t.frames;
             events += t.events;
@@ -178,9 +194,14 @@ int print_refined_ablation(int frames, const SeedRange& seeds, const std::string
 
 int print_refined_frames(int frames, const SeedRange& seeds, const std::string& wanted) {
     const auto print = [](const TrackedFrameView& seen) {
-        std::printf("%s %d %4d %.3f mm %.3f px middle %.3f mm %s\n", seen.row.name.c_str(),
-                    static_cast<int>(seen.row.options.seed), seen.index, seen.error_mm, seen.error_px,
-                    seen.middle_mm, scenes::to_string(seen.result.estimate.status));
+        const tracker::EyeFound eye = seen.result.eye.value_or(tracker::EyeFound{});
+        std::printf(
+            "%s %d %4d %.3f mm %.3f px middle %.3f mm %s eye %.3f +- %.3f px %.4f +- %.4f rad length %.3f "
+            "mm\n",
+            seen.row.name.c_str(), static_cast<int>(seen.row.options.seed), seen.index, seen.error_mm,
+            seen.error_px, seen.middle_mm, scenes::to_string(seen.result.estimate.status),
+            eye.correction.row_px, eye.sigmas().row_px, eye.correction.roll_rad, eye.sigmas().roll_rad,
+            1e3 * seen.result.estimate.length_m());
     };
     for (const RefinedCase& c : refined_cases())
         if (is_chosen(c, wanted))

@@ -69,13 +69,27 @@ void draw_strokes(cv::Mat1f& image, const std::vector<Stroke>& strokes, double b
         }
 }
 
+constexpr double kMostPaidOut = 1.15;  ///< of the length at first
+
+double length_at(const SyntheticSequenceOptions& options, int original) {
+    return std::min(options.length_m + options.paid_out_m * original, kMostPaidOut * options.length_m);
+}
+
+scenes::Polyline first_part(const scenes::Polyline& line, double length_m) {
+    scenes::Polyline part;
+    const std::size_t n = line.points.size();
+    for (std::size_t i = 0; i < n; ++i)
+        part.points.push_back(line.point_at(length_m * static_cast<double>(i) / static_cast<double>(n - 1)));
+    return part;
+}
+
 }  // namespace
 
 InextensibleCurveOptions curve_options(const SyntheticSequenceOptions& options) {
     scenes::RandomStream random(options.seed, "synthetic sequence");
     InextensibleCurveOptions curve;
     curve.seed = options.seed;
-    curve.length_m = options.length_m;
+    curve.length_m = (options.paid_out_m > 0.0 ? kMostPaidOut : 1.0) * options.length_m;
     curve.centre_C = {0.5 * options.rig.X_RC.inverse().translation().x(), 0.0, options.depth_m};
     curve.heading_rad = random.uniform(0.45, 1.0) * (random.uniform() < 0.5 ? 1.0 : -1.0);
     curve.turning_rad = random.uniform(1.2, 2.2) * (random.uniform() < 0.5 ? 1.0 : -1.0);
@@ -116,6 +130,7 @@ SyntheticThread::SyntheticThread(const SyntheticSequenceOptions& options)
 scenes::Polyline SyntheticThread::truth(int index) const {
     const int original = index * options_.acceleration;
     scenes::Polyline line = curve_.at(original);
+    if (options_.paid_out_m > 0.0) line = first_part(line, length_at(options_, original));
     if (options_.protocol == Protocol::kS) return line;
     // Jitter of a tracked template: small in every frame, large in some (Table I: 8 px at acceleration 1).
     tracker::NurbsCurve spline = tracker::fit_curve(line, {.control_points = 8, .length_weight = 0.3});
@@ -140,6 +155,7 @@ std::vector<scenes::Capsule> SyntheticSequence::shafts(const scenes::Polyline& t
     std::vector<scenes::Capsule> shafts;
     if (options_.instruments)
         for (int end = 0; end < 2; ++end) {
+            if (end == 1 && options_.free_end) continue;
             if (options_.jaws) {
                 shafts.push_back(jaw(thread, end));
                 continue;

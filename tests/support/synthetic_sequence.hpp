@@ -40,10 +40,12 @@ struct SyntheticSequenceOptions {
     double blur_px = 0.6;       ///< standard deviation of the optics
     bool clutter = true;
     bool instruments = true;  ///< two shafts that hide the last 1.5 mm of each end
+    bool free_end = false;    ///< nothing holds end 1
     double hidden_end_m = 0.0015;
     double tip_error_m = 0.0;      ///< measured ends off by up to this much, constant over the sequence
     double tip_jitter_m = 0.0;     ///< and by this much (each axis), new in each frame
     bool jaws = false;             ///< instruments grip across the thread instead of lying along it
+    double paid_out_m = 0.0;       ///< of thread a frame of the first sequence, at end 1; 15 % at most
     double tail_m = 0.0;           ///< thread beyond each grip
     double jaw_excess_m = 0.0003;  ///< jaws are drawn this much wider than their capsules, and lopsided
     int occlusion_begin = -1;      ///< first frame in which a third shaft crosses the thread; -1 = never

@@ -128,6 +128,101 @@ TEST(RefinedTracker, is_as_good_on_converging_distorted_cameras) {
     EXPECT_LT(error_after(options, 6), 0.0004);
 }
 
+/// What a tracker is told beside the pictures.
+struct Told {
+    scenes::StereoRig rig;
+    double length_m = 0.070;
+    double row_sigma_px = 0.0;
+};
+struct Outcome {
+    double mean_m = 0.0;  ///< error
+    TrackResult last;
+};
+Outcome outcome_when_told(const Told& told, const SyntheticSequenceOptions& options, int frames) {
+    const SyntheticSequence sequence(options);
+    scenes::TrackerConfig config = config_for(options);
+    config.thread.length_m = told.length_m;
+    config.refined.row_sigma_px = told.row_sigma_px;
+    RefinedTracker tracker(config, told.rig);
+    Outcome outcome;
+    for (int i = 0; i < frames; ++i) {
+        const SyntheticFrame drawn = sequence.frame(i);
+        StereoFrame frame = frame_of(drawn, i);
+        if (options.free_end) frame.tips[1].reset();
+        outcome.last = i == 0 ? tracker.start(frame, initial_curve(drawn.truth_C)) : tracker.track(frame);
+        outcome.mean_m += mean_distance_m(outcome.last.estimate, drawn.truth_C) / frames;
+    }
+    return outcome;
+}
+
+scenes::StereoRig with_right_eye_off(scenes::StereoRig rig, const EyeCorrection& error) {
+    rig.right.cy_px -= error.row_px;
+    rig.X_RC = Eigen::AngleAxisd(-error.roll_rad, Eigen::Vector3d::UnitZ()) * rig.X_RC;
+    return rig;
+}
+
+TEST(RefinedTracker, finds_what_the_right_eye_is_off_by_in_rows_and_roll) {
+    const SyntheticSequenceOptions options{.seed = 3};  // its thread runs nowhere along the rows
+    const EyeCorrection error{1.5, 0.0035};
+    const scenes::StereoRig off = with_right_eye_off(options.rig, error);
+    const Outcome found = outcome_when_told({.rig = off, .row_sigma_px = 1.0}, options, 10);
+    ASSERT_TRUE(found.last.eye);
+    EXPECT_NEAR(found.last.eye->correction.row_px, error.row_px, 0.06);
+    EXPECT_NEAR(found.last.eye->correction.roll_rad, error.roll_rad, 0.0004);
+    EXPECT_LT(found.last.eye->sigmas().row_px, 0.05);
+    const Outcome right = outcome_when_told({.rig = options.rig}, options, 10);
+    EXPECT_LT(found.mean_m, 1.5 * right.mean_m);
+}
+
+TEST(RefinedTracker, takes_the_rig_for_right_unless_told_otherwise) {
+    const SyntheticSequenceOptions options{.seed = 3};
+    EXPECT_FALSE(outcome_when_told({.rig = options.rig}, options, 2).last.eye);
+}
+
+TEST(RefinedTracker, finds_the_length_of_a_thread_that_is_said_to_be_a_tenth_longer_or_shorter) {
+    const SyntheticSequenceOptions options{.seed = 2};
+    const Outcome right = outcome_when_told({.rig = options.rig}, options, 24);
+    EXPECT_FALSE(right.last.length_refuted);
+    for (const double told_m : {0.063, 0.077}) {
+        const Outcome wrong = outcome_when_told({.rig = options.rig, .length_m = told_m}, options, 24);
+        EXPECT_TRUE(wrong.last.length_refuted) << told_m;
+        EXPECT_NEAR(wrong.last.estimate.length_m(), 0.070, 0.02 * 0.070) << told_m;
+        EXPECT_LT(wrong.mean_m, 1.5 * right.mean_m) << told_m;
+    }
+}
+
+TEST(RefinedTracker, believes_a_length_that_is_right_though_the_arms_are_millimetres_off) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+        const SyntheticSequenceOptions options{.seed = seed, .tip_error_m = 0.003};
+        EXPECT_FALSE(outcome_when_told({.rig = options.rig}, options, 1).last.length_refuted) << seed;
+    }
+}
+
+TEST(RefinedTracker, sees_where_a_thread_ends_that_nothing_holds) {
+    const SyntheticSequenceOptions options{.seed = 2, .free_end = true};
+    const Outcome unknown = outcome_when_told({.rig = options.rig, .length_m = 0.0}, options, 24);
+    EXPECT_NEAR(unknown.last.estimate.length_m(), 0.070, 0.02 * 0.070);
+}
+
+TEST(RefinedTracker, goes_on_from_a_stored_state_with_an_eye_that_is_off) {
+    const SyntheticSequenceOptions options{.seed = 4};
+    const SyntheticSequence sequence(options);
+    scenes::TrackerConfig config = config_for(options);
+    config.refined.row_sigma_px = 1.0;
+    const scenes::StereoRig off = with_right_eye_off(options.rig, {1.0, 0.002});
+    RefinedTracker tracker(config, off), other(config, off);
+    const SyntheticFrame first = sequence.frame(0), second = sequence.frame(1), third = sequence.frame(2);
+    tracker.start(frame_of(first, 0), initial_curve(first.truth_C));
+    tracker.track(frame_of(second, 1));
+    other.restore(tracker.state());
+    const TrackResult a = tracker.track(frame_of(third, 2));
+    const TrackResult b = other.track(frame_of(third, 2));
+    ASSERT_EQ(a.control_points.size(), b.control_points.size());
+    for (std::size_t k = 0; k < a.control_points.size(); ++k)
+        EXPECT_EQ(a.control_points[k], b.control_points[k]) << k;
+    EXPECT_EQ(a.eye->correction.row_px, b.eye->correction.row_px);
+}
+
 TEST(RefinedTracker, goes_on_from_a_stored_state_as_if_it_had_never_stopped) {
     const SyntheticSequenceOptions options{.seed = 34};
     const SyntheticSequence sequence(options);
