@@ -64,8 +64,9 @@ Eigen::Matrix3Xd ModeSearch::nearest(const StereoFrame& frame, const Eigen::Matr
     };
     const long joint = std::min<long>(kJointModes, modes.sigmas_m.size());
     try_labels(Q, 0, joint - 1, try_labels);
+    Eigen::Matrix3Xd from;
     for (long mode = joint; mode < modes.sigmas_m.size(); ++mode) {
-        const Eigen::Matrix3Xd from = best;
+        from = best;
         try_labels(from, mode, mode, try_labels);
     }
     return best;

@@ -44,6 +44,10 @@ std::vector<RefinedCase> hard_cases(const std::string& wanted) {
         c.options.contrast = 14.0;
         c.options.acceleration = 5;
     });
+    add("free", "one end not measured, acceleration 3", [](RefinedCase& c) {
+        c.options.acceleration = 3;
+        c.options.free_end = true;
+    });
     std::erase_if(all, [&](const RefinedCase& c) { return c.name.rfind(wanted, 0) != 0; });
     return all;
 }
