@@ -8,10 +8,10 @@ namespace atropos::tracker {
 namespace {
 
 constexpr int kTurns = 4;                  ///< frames in which every cell looks once
-constexpr double kPatchSigma_px = 0.03;    ///< that a patch is off by in every frame
+constexpr double kPatchSigma_px = 0.04;    ///< that a patch is off by in every frame
 constexpr double kLeastInformation = 2.0;  ///< 1/px^2; a patch that tells less says nothing
 constexpr double kNearby_px = 3.0;         ///< of where a patch was found last
-constexpr double kRobustSigmas = 2.5;      ///< Cauchy's scale
+constexpr double kRobustSigmas = 1.5;      ///< Cauchy's scale
 
 }  // namespace
 
@@ -108,36 +108,43 @@ void EyeSight::look_in(const std::array<ImageView, 2>& images, int index, Cell& 
     cell.information += information;
 }
 
-// Row and roll that most cells agree on (iteratively reweighted, from afar to near).
+// Row and roll that most cells agree on (Cauchy, iteratively reweighted, from afar to near). Of such an
+// estimate the covariance is that of least squares times E psi^2 / (E psi')^2 (Huber 1964): it grows as cells
+// disagree.
 void EyeSight::conclude() {
     const Eigen::Vector2d prior_sigma(options_.row_sigma_px * scale_, options_.roll_sigma_rad);
     const Eigen::Matrix2d prior = prior_sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+    constexpr double kC2 = kRobustSigmas * kRobustSigmas;
     Eigen::Vector2d x = Eigen::Vector2d::Zero();
-    Eigen::Matrix2d H = prior;
-    double squares = 0.0, count = 0.0;
-    const auto variance = [this](const Cell& cell) {
-        return kPatchSigma_px * kPatchSigma_px * scale_ * scale_ + 1.0 / cell.information;
-    };
+    Eigen::Matrix2d all = Eigen::Matrix2d::Zero();  // information, if all cells were right
+    double squares = 0.0, slopes = 0.0, count = 0.0;
     for (const double widen_px : {2.0, 1.0, 0.5, 0.25, 0.1, 0.0, 0.0, 0.0}) {
-        H = prior;
+        Eigen::Matrix2d H = prior;
         Eigen::Vector2d pull = -prior * x;
-        squares = count = 0.0;
+        all.setZero();
+        squares = slopes = count = 0.0;
         for (const Cell& cell : cells_) {
             if (!(cell.information > 0.0)) continue;
             const double r = cell.off_px - cell.by_eye.dot(x);
-            const double sigma2 = variance(cell) + widen_px * widen_px * scale_ * scale_;
-            const double share = 1.0 / (1.0 + r * r / (kRobustSigmas * kRobustSigmas * sigma2));
-            H += share / sigma2 * cell.by_eye * cell.by_eye.transpose();
+            const double sigma2 = (kPatchSigma_px * kPatchSigma_px + widen_px * widen_px) * scale_ * scale_ +
+                                  1.0 / cell.information;
+            const double z2 = r * r / sigma2, share = 1.0 / (1.0 + z2 / kC2);
+            const Eigen::Matrix2d information = cell.by_eye * cell.by_eye.transpose() / sigma2;
+            H += share * information;
             pull += share / sigma2 * r * cell.by_eye;
-            squares += share * r * r / sigma2;
-            count += share;
+            all += information;
+            squares += share * share * z2;
+            slopes += share * share * (1.0 - z2 / kC2);
+            count += 1.0;
         }
         x += H.inverse() * pull;
     }
-    // Cells that disagree by more than they should say less.
-    const double worse = count > 3.0 ? std::max(1.0, squares / (count - 2.0)) : 1.0;
     found_.correction = {x[0], x[1]};
-    found_.covariance = ((H - prior) / worse + prior).inverse();
+    // Two of the residuals are the fit's own.
+    const double worse = count > 3.0 && slopes > 0.0
+                             ? std::max(1.0, squares * count / (slopes * slopes) * count / (count - 2.0))
+                             : 1.0;
+    found_.covariance = (all / worse + prior).inverse();
 }
 
 double* EyeSight::save(double* out) const {
