@@ -11,10 +11,11 @@ std::unique_ptr<tracker::StereoTracker> make_configured_tracker(const scenes::Tr
     if (file.empty() || config.method != scenes::TrackerMethod::kRefined)
         return tracker::make_tracker(config, rig);
     const tracker::DeformationPrior prior = read_deformation_prior(file);
-    if (prior.control_points != config.refined.control_points)
+    const int K = config.refined.control_points;
+    if (K > 0 && prior.control_points != K)
         throw scenes::FileError(file, "learned of " + std::to_string(prior.control_points) +
                                           " control points, expected tracker.refined.K, " +
-                                          std::to_string(config.refined.control_points));
+                                          std::to_string(K));
     return tracker::make_tracker(config, rig, &prior);
 }
 

@@ -17,7 +17,7 @@ tracker::BoundOptions priors_of(const scenes::TrackerConfig& config) {
     tracker::BoundOptions options;
     options.width_m = config.thread.width_m;
     options.blur_px = config.refined.blur_px;
-    options.control_points = config.refined.control_points;
+    if (config.refined.control_points > 0) options.control_points = config.refined.control_points;
     options.length_sigma_m = config.refined.length_sigma_m;
     options.tip_sigma_m = std::hypot(config.refined.tip_bias_sigma_m, config.refined.tip_sigma_m);
     return options;

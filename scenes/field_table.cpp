@@ -229,7 +229,8 @@ void visit_tracker(FieldVisitor& v, TrackingConfig& c) {
     v.number({"lambda_stereo", "2D parameterisation: squared epipolar distance"}, t.lambda_stereo,
              {0.0, 1e6});
     v.section({"refined", "the continuous refinement"}, [&] {
-        v.integer({"K", "control points"}, t.refined.control_points, 4, 64);
+        v.integer({"K", "control points; 0: as many as length and bends need"}, t.refined.control_points, 0,
+                  64);
         v.integer({"samples", "places along the curve that are measured in each eye"}, t.refined.samples, 8,
                   1000);
         v.number({"search_px", "across the predicted curve, at 640 wide"}, t.refined.search_px, {2.0, 100.0});

@@ -91,7 +91,7 @@ struct TrackerConfig {
     /// The continuous refinement (method kRefined); shares `thread`, `labels` and `cost_image` with the
     /// paper's methods, which find the curve again when it is lost.
     struct Refined {
-        int control_points = 16;
+        int control_points = 0;          ///< 0: as many as length and bends need
         int samples = 80;                ///< places along the curve that are measured in each eye
         double search_px = 12.0;         ///< across the predicted curve, at 640
         double contrast_levels = 4.0;    ///< grey levels a thread is darker than both of its sides, at least

@@ -77,8 +77,9 @@ void validate(const scenes::TrackerConfig& config) {
     require_range("lambda_stereo", config.lambda_stereo, 0.0, 1e9);
     require_range("uncertainty.lateral_px", config.uncertainty.lateral_px, 0.0, 1000.0);
     require_range("uncertainty.disparity_px", config.uncertainty.disparity_px, 0.0, 1000.0);
-    require_range("refined.control_points", config.refined.control_points, 4, 64);
-    require_range("refined.samples", config.refined.samples, 2 * config.refined.control_points, 1000);
+    const int K = config.refined.control_points == 0 ? 16 : config.refined.control_points;
+    require_range("refined.control_points", K, 4, 64);
+    require_range("refined.samples", config.refined.samples, 2 * K, 1000);
     require_range("refined.search_px", config.refined.search_px, 4.0, 40.0);
     require_range("refined.contrast_levels", config.refined.contrast_levels, 0.5, 255.0);
     require_range("refined.blur_px", config.refined.blur_px, 0.1, 10.0);

@@ -1,5 +1,7 @@
 #include "tracker/recovery.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "tracker/thread_initialiser.hpp"
@@ -11,6 +13,10 @@ constexpr int kMostWidth_px = 960;     ///< of the pictures searched: larger one
 constexpr double kSpacing_m = 0.0012;  ///< of the labels
 constexpr int kSamples = 30;           ///< along the curve: what is found is to be refined
 constexpr std::size_t kLevels = 4;     ///< of five
+
+constexpr double kJaws_m = 0.012;      ///< most of a thread that jaws hide at an end
+constexpr double kLengthError = 0.08;  ///< of a traced thread, its hidden ends cut short
+constexpr int kTracedPoints = 400, kTracedControlPoints = 40;
 
 /// Seven control points or eight are few enough for pairs of labels to move every part of the curve.
 scenes::TrackerConfig search_config(scenes::TrackerConfig config) {
@@ -47,6 +53,7 @@ const StereoFrame& Recovery::small(const StereoFrame& frame) {
     small_.index = frame.index;
     small_.capture_time_s = frame.capture_time_s;
     small_.tips = frame.tips;
+    small_.instruments = frame.instruments;
     small_.left = frame.left;
     small_.right = frame.right;
     if (shrinkage_ < 1.0) {
@@ -80,6 +87,30 @@ std::optional<NurbsCurve> Recovery::between_tips(const StereoFrame& frame) {
     const auto found = initial_curve_between_tips(config_, rig_, small(frame), pool_, kLevels);
     if (!found) return std::nullopt;
     return curve_of(*found);
+}
+
+std::optional<NurbsCurve> Recovery::traced(const StereoFrame& frame) {
+    if (!frame.tips[0] || !frame.tips[1]) return std::nullopt;
+    if (!finder_) finder_.emplace(rig_, finder_options(config_));
+    const std::optional<FoundThread> found = finder_->find(small(frame));
+    if (!found || found->doubt != Doubt::kNone) return std::nullopt;
+    scenes::Polyline line = sampled(found->curve, kTracedPoints);
+    const auto apart_m = [&] {
+        return std::array{(line.points.front() - frame.tips[0]->p_C).norm(),
+                          (line.points.back() - frame.tips[1]->p_C).norm()};
+    };
+    const std::array as_found = apart_m();
+    std::reverse(line.points.begin(), line.points.end());
+    if (const std::array turned = apart_m(); as_found[0] + as_found[1] < turned[0] + turned[1])
+        std::reverse(line.points.begin(), line.points.end());
+    for (const double d : apart_m())
+        if (d > kJaws_m) return std::nullopt;
+    line.points.insert(line.points.begin(), frame.tips[0]->p_C);
+    line.points.push_back(frame.tips[1]->p_C);
+    const double known_m = config_.thread.length_m;
+    if (known_m > 0.0 && std::abs(line.length_m() - known_m) > kLengthError * known_m) return std::nullopt;
+    return fit_curve(line.resampled(kTracedPoints),
+                     {.degree = 3, .control_points = kTracedControlPoints, .length_weight = 0.3});
 }
 
 std::optional<NurbsCurve> Recovery::curve_of(const std::vector<Eigen::Vector3d>& control_points) const {

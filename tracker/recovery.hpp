@@ -6,6 +6,7 @@
 
 #include "tracker/mode_search.hpp"
 #include "tracker/stereo_tracker.hpp"
+#include "tracker/thread_finder.hpp"
 #include "tracker/thread_tracker.hpp"
 
 namespace atropos::tracker {
@@ -27,6 +28,10 @@ class Recovery {
     /// Anywhere between two measured ends (III); nothing when an end is unknown or no thread is seen.
     std::optional<NurbsCurve> between_tips(const StereoFrame& frame);
 
+    /// What the finder sees run from one measured end to the other, loops and all; nothing when it doubts
+    /// that, or when the length is known and is another one.
+    std::optional<NurbsCurve> traced(const StereoFrame& frame);
+
   private:
     const StereoFrame& small(const StereoFrame& frame);
     std::optional<NurbsCurve> curve_of(const std::vector<Eigen::Vector3d>& control_points) const;
@@ -36,6 +41,7 @@ class Recovery {
     scenes::StereoRig rig_;  ///< of those
     ThreadTracker search_;
     std::optional<ModeSearch> mode_search_;  ///< once it was asked for
+    std::optional<ThreadFinder> finder_;     ///< likewise
     scenes::WorkerPool pool_;
     StereoFrame small_;
     std::array<cv::Mat, 2> shrunk_;

@@ -16,8 +16,15 @@ constexpr double kLeastSearch_px = 3.0;     ///< about a prediction that is righ
 constexpr double kSearchPerSurprise = 2.0;  ///< more of it for each px that predictions were off by lately
 constexpr double kSurpriseKept = 0.7;       ///< from one frame to the next
 constexpr int kRetryFrames = 4;             ///< between searches for a thread that is not seen
-constexpr double kMostlySeen = 0.6;         ///< support of a curve that is right but for a stretch
-constexpr double kLeastEndOff_m = 0.004;    ///< no end is lost that is nearer to where it was measured
+constexpr double kLeastSlide_m = 0.0001;    ///< Newton's steps follow a bend so far by themselves
+constexpr int kMoreControlPoints = 8;
+constexpr double kMostlySeen = 0.6;       ///< support of a curve that is right but for a stretch
+constexpr double kLeastEndOff_m = 0.004;  ///< no end is lost that is nearer to where it was measured
+
+int first_control_points(const scenes::TrackerConfig& config, const std::optional<DeformationPrior>& prior) {
+    if (config.refined.control_points > 0) return config.refined.control_points;
+    return prior ? prior->control_points : needed_control_points(config.thread.length_m);
+}
 
 constexpr double kRollPerRow = 0.0035;    ///< sigma of the roll for a sigma of one row at 640
 constexpr double kDoubtSigmas = 3.0;      ///< a length further off is compared with a free one
@@ -48,17 +55,18 @@ RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes
       given_rig_(rig),
       rig_(rig),
       scale_(rig.left.width_px / 640.0),
-      refinement_(config.refined.control_points, config.refined.samples, priors, rig),
+      priors_(priors),
+      refinement_(first_control_points(config, deformation), config.refined.samples, priors, rig),
+      interpolation_(refinement_.basis()),
       sight_(config, rig),
       ends_(config, rig, sight_.filter_options()),
       recovery_(config, rig),
       deformation_(std::move(deformation)) {
     validate(config);
     if (config.refined.prior_weight == 0.0) deformation_.reset();
-    if (deformation_) check_prior(*deformation_, config.refined.control_points);
+    if (deformation_) check_prior(*deformation_, refinement_.basis().count());
     if (config.refined.rod) rod_.emplace(refinement_.basis(), config.refined.gravity_C);
     const std::size_t samples = static_cast<std::size_t>(config.refined.samples);
-    const int K = config.refined.control_points;
     loss_test_.residual_px *= scale_;
     loss_test_.end_off_m = std::max(
         kLeastEndOff_m, 5.0 * std::hypot(config.refined.tip_bias_sigma_m, config.refined.tip_sigma_m));
@@ -66,8 +74,8 @@ RefinedTracker::RefinedTracker(const scenes::TrackerConfig& config, const scenes
         eye_.emplace(EyeSight::Options{.row_sigma_px = config.refined.row_sigma_px,
                                        .roll_sigma_rad = kRollPerRow * config.refined.row_sigma_px},
                      rig);
+    const int K = refinement_.basis().count();
     fit_.Q.setZero(3, K);
-    trial_.Q.setZero(3, K);
     problem_.expected.setZero(3, K);
     motion_.velocity_m_s.setZero(3, K);
     covariance_.setZero(3 * K, 3 * K);
@@ -85,8 +93,37 @@ const TrackResult& RefinedTracker::start(const StereoFrame& frame, const NurbsCu
     return track(frame);
 }
 
+// The curves carried from frame to frame become ones of K control points.
+void RefinedTracker::set_control_points(int K) {
+    const CubicBasis before = refinement_.basis();
+    if (K == before.count()) return;
+    refinement_ = CurveRefinement(K, config_.refined.samples, priors_, rig_);
+    interpolation_ = CurveInterpolation(refinement_.basis());
+    for (Eigen::Matrix3Xd* Q : {&fit_.Q, &motion_.velocity_m_s, &expected_, &problem_.expected})
+        if (Q->cols() == before.count()) *Q = interpolation_.carried_over(before, *Q);
+    covariance_.setZero(3 * K, 3 * K);
+    if (rod_) rod_.emplace(refinement_.basis(), config_.refined.gravity_C);
+}
+
+/// What was learned of deformation was so for one number of them.
+bool RefinedTracker::chooses_control_points() const {
+    return config_.refined.control_points == 0 && !deformation_;
+}
+
+bool RefinedTracker::has_too_few_control_points() const {
+    const int K = refinement_.basis().count();
+    return chooses_control_points() && 2 * (K + kMoreControlPoints) <= config_.refined.samples &&
+           needed_control_points(refinement_.basis(), fit_.Q, fit_.length_m) > K;
+}
+
 void RefinedTracker::begin(const NurbsCurve& initial) {
+    if (chooses_control_points()) set_control_points(needed_control_points(initial.length()));
     fit_.Q = control_points_of(initial);
+    fit_.length_m = initial.length();
+    while (has_too_few_control_points()) {
+        set_control_points(refinement_.basis().count() + kMoreControlPoints);
+        fit_.Q = control_points_of(initial);
+    }
     const bool known = takes_given_length();
     expected_length_m_ = known ? config_.thread.length_m : initial.length();
     expected_length_sigma_m_ = known ? config_.refined.length_sigma_m : 0.03 * expected_length_m_;
@@ -146,12 +183,27 @@ void RefinedTracker::refine(const StereoFrame& frame, double first_search_px, Fi
     for (const Round& round : rounds) {
         if (round.look.closely)
             ends_.look(frame, images_, refinement_.basis(), fit.Q, fit.length_m, problem_);
+        slide_to_ends(fit);
         sight_.look(images_, refinement_.samples(), fit.Q, instruments_C_, round.look, problem_.lines);
         problem_.robust_px = round.robust_px * scale_;
         refinement_.refine(problem_, round.iterations, fit.Q, fit.length_m);
     }
     fit.quality = judge_fit(problem_.lines, refinement_.samples(), fit.Q, fit.length_m, rig_, loss_test_);
     fit.quality.end_off_m = ends_.farthest_m(frame, fit.Q);
+}
+
+void RefinedTracker::slide_to_ends(Fit& fit) const {
+    const double wanted_m = wanted_slide_m(problem_.ends, fit.Q);
+    if (std::abs(wanted_m) < kLeastSlide_m) return;
+    fit.Q = interpolation_.carried_over(refinement_.basis(), fit.Q, wanted_m / fit.length_m);
+}
+
+// A curve that turns by more than its spans can follow is fitted again, with more of them.
+void RefinedTracker::follow_bends(const StereoFrame& frame) {
+    while (!is_lost(fit_.quality, loss_test_) && has_too_few_control_points()) {
+        set_control_points(refinement_.basis().count() + kMoreControlPoints);
+        refine(frame, 0.25 * config_.refined.search_px, fit_);
+    }
 }
 
 // As far about the prediction as predictions were wrong lately: what lies farther off is another line.
@@ -223,12 +275,14 @@ const TrackResult& RefinedTracker::track(const StereoFrame& frame) {
     show("before", problem_.expected);
     expected_ = problem_.expected;
     look_near_expected(frame);
+    follow_bends(frame);
     // An end that is neither measured nor seen slides along the thread.
     if (first && takes_given_length() && problem_.ends[0] && problem_.ends[1]) doubt_length(frame);
     timings_.refinement_ms = elapsed_ms(began);
     if (is_lost(fit_.quality, loss_test_) && config_.refined.recovery) recover(frame);
 
-    if (!confirmed_ && is_lost(fit_.quality, loss_test_)) return lost(frame);
+    if (!confirmed_ && (is_lost(fit_.quality, loss_test_) || fit_.quality.support < kMostlySeen))
+        return lost(frame);
     confirmed_ = true;
 
     const double dt = capture_time_s_ < 0.0 ? 0.0 : frame.capture_time_s - capture_time_s_;
@@ -240,7 +294,7 @@ const TrackResult& RefinedTracker::track(const StereoFrame& frame) {
 }
 
 Eigen::Matrix3Xd RefinedTracker::control_points_of(const NurbsCurve& curve) const {
-    const int K = config_.refined.control_points;
+    const int K = refinement_.basis().count();
     const NurbsCurve fitted =
         fit_curve(sampled(curve, 8 * K), {.degree = 3, .control_points = K, .length_weight = 0.1});
     Eigen::Matrix3Xd Q(3, K);
@@ -280,8 +334,11 @@ void RefinedTracker::recover(const StereoFrame& frame) {
                              fit_.quality.end_off_m <= loss_test_.end_off_m;
     if (turn == 0 && (frames_unseen_ > 0 || !mostly_seen))
         if (const auto found = near(frame, expected)) try_fit(frame, *found, fit_);
-    if (turn == kRetryFrames)
-        if (const auto found = recovery_.between_tips(frame)) try_fit(frame, *found, fit_);
+    if (turn == kRetryFrames) {
+        const bool hangs = frames_unseen_ % (4 * kRetryFrames) == kRetryFrames;
+        if (const auto found = hangs ? recovery_.between_tips(frame) : recovery_.traced(frame))
+            try_fit(frame, *found, fit_);
+    }
     timings_.optimiser_ms = elapsed_ms(began);
 }
 
@@ -290,11 +347,15 @@ std::optional<NurbsCurve> RefinedTracker::near(const StereoFrame& frame, const E
     return recovery_.along_modes(frame, expected, expected_length_m_, problem_.deformation);
 }
 
+// A thread that lies in loops is none that hangs between its ends: traced, every other time.
 bool RefinedTracker::start_from_tips(const StereoFrame& frame) {
     if (frames_unseen_ % kRetryFrames != 0) return false;
-    const auto found = recovery_.between_tips(frame);
+    const bool hangs = frames_unseen_ % (2 * kRetryFrames) == 0;
+    const auto found = hangs ? recovery_.between_tips(frame) : recovery_.traced(frame);
     if (!found) return false;
+    const int unseen = frames_unseen_;
     begin(*found);
+    frames_unseen_ = unseen;
     confirmed_ = false;  // what the images do not bear out was never found
     return true;
 }

@@ -7,6 +7,7 @@
 
 #include "tracker/curve_refinement.hpp"
 #include "tracker/curve_sight.hpp"
+#include "tracker/curve_slide.hpp"
 #include "tracker/eye_sight.hpp"
 #include "tracker/loss_test.hpp"
 #include "tracker/measured_ends.hpp"
@@ -53,6 +54,11 @@ class RefinedTracker final : public StereoTracker {
     };
 
     void begin(const NurbsCurve& initial);
+    void set_control_points(int K);
+    bool chooses_control_points() const;
+    bool has_too_few_control_points() const;
+    void follow_bends(const StereoFrame& frame);
+    void slide_to_ends(Fit& fit) const;
     Eigen::Matrix3Xd control_points_of(const NurbsCurve& curve) const;
     NurbsCurve curve_of(const Eigen::Matrix3Xd& Q) const;
     void predict(const StereoFrame& frame);
@@ -78,7 +84,9 @@ class RefinedTracker final : public StereoTracker {
     scenes::StereoRig given_rig_;
     scenes::StereoRig rig_;  ///< with the right eye as it was found to be
     double scale_;           ///< image width over 640
+    CurvePriors priors_;
     CurveRefinement refinement_;
+    CurveInterpolation interpolation_;
     CurveSight sight_;
     MeasuredEnds ends_;
     LossTestOptions loss_test_;

@@ -31,7 +31,9 @@ TrackerState RefinedTracker::state() const {
 }
 
 void RefinedTracker::restore(const TrackerState& state) {
-    const std::size_t K = static_cast<std::size_t>(config_.refined.control_points);
+    if (state.started && chooses_control_points())
+        set_control_points(std::clamp(static_cast<int>(state.control_points.size()), 4, 64));
+    const std::size_t K = static_cast<std::size_t>(refinement_.basis().count());
     if (state.started &&
         (state.control_points.size() != K || state.method_state.size() != method_state_size()))
         throw std::invalid_argument("a state of " + std::to_string(state.control_points.size()) +

@@ -10,6 +10,7 @@
 //   beside tracker_table refined-frames [FRAMES [SEEDS [CASE]]]    one line a frame tracker_table
 //   refined-worst FOLDER [FRAMES [SEEDS [CASE]]]  pictures of the ten worst frames of each case
 //   tracker_table prior [FRAMES [SEEDS [CASE [FILE...]]]]  learned priors and the rod on hard rows
+//   tracker_table loops  [SEQUENCES [FRAMES [SEED [verbose]]]]  threads that cross themselves
 // FOLDER keeps what is done, so that an interrupted run goes on where it stopped.
 #include <malloc.h>
 
@@ -50,6 +51,11 @@ int main(int argc, char** argv) {
             return print_prior_table(
                 number(1, 100), seeds(2), wanted,
                 {words.begin() + std::min<long>(4, static_cast<long>(words.size())), words.end()});
+        if (!words.empty() && words[0] == "loops")
+            return print_loop_table({.sequences = number(1, 200),
+                                     .frames = number(2, 120),
+                                     .first_seed = static_cast<std::uint64_t>(number(3, 1)),
+                                     .verbose = words.size() > 4});
         if (words.size() >= 2 && words[0] == "refined-worst")
             return draw_worst_frames(words[1], number(2, 100), seeds(3), words.size() > 4 ? words[4] : "");
         if (words.size() >= 3 && words[0] == "paper")

@@ -41,4 +41,14 @@ int print_refined_frames(int frames, const SeedRange& seeds, const std::string& 
 int draw_worst_frames(const std::string& folder, int frames, const SeedRange& seeds,
                       const std::string& wanted);
 
+struct LoopTableOptions {
+    int sequences = 200;
+    int frames = 120;
+    std::uint64_t first_seed = 1;
+    bool verbose = false;
+};
+
+/// Generated threads that cross themselves: order right by the discrete Frechet distance in both eyes.
+int print_loop_table(const LoopTableOptions& options);
+
 }  // namespace atropos::bench

@@ -31,9 +31,9 @@ InextensibleCurve::InextensibleCurve(const InextensibleCurveOptions& options) : 
     // The formulae give a shape for each phase; its rate in time follows from the speed wanted.
     double travelled = 0.0;
     const int steps = 400;
-    scenes::Polyline before = at_phase(0.0, 40);
+    scenes::Polyline before = at_phase(0.0, 0.0, 40);
     for (int i = 1; i <= steps; ++i) {
-        scenes::Polyline now = at_phase(0.1 * i, 40);
+        scenes::Polyline now = at_phase(0.1 * i, 0.0, 40);
         for (std::size_t j = 0; j < now.points.size(); ++j)
             travelled += (now.points[j] - before.points[j]).norm() / static_cast<double>(now.points.size());
         before = std::move(now);
@@ -61,10 +61,10 @@ double InextensibleCurve::motion_phase(double frame) const {
 }
 
 scenes::Polyline InextensibleCurve::at(double frame, int segments) const {
-    return at_phase(motion_phase(frame), segments);
+    return at_phase(motion_phase(frame), frame, segments);
 }
 
-scenes::Polyline InextensibleCurve::at_phase(double phase, int segments) const {
+scenes::Polyline InextensibleCurve::at_phase(double phase, double frame, int segments) const {
     std::array<double, kModes> bend{};
     std::array<double, kModes> lift{};
     for (std::size_t m = 0; m < kModes; ++m) {
@@ -75,6 +75,9 @@ scenes::Polyline InextensibleCurve::at_phase(double phase, int segments) const {
                                      Eigen::AngleAxisd(options_.depth_tilt_rad, Eigen::Vector3d::UnitY()) *
                                      Eigen::AngleAxisd(options_.arc_tilt_rad, Eigen::Vector3d::UnitX()))
                                         .toRotationMatrix();
+    const double swing = std::cos(kTwoPi * frame / options_.swing_frames);
+    const double turning_rad = options_.turning_rad - options_.turning_swing_rad * swing;
+    const double turn_middle = 0.5 - options_.travel_share * swing;
     const double step = options_.length_m / segments;
     scenes::Polyline line;
     line.points.reserve(static_cast<std::size_t>(segments + 1));
@@ -83,7 +86,7 @@ scenes::Polyline InextensibleCurve::at_phase(double phase, int segments) const {
     line.points.push_back(p);
     for (int i = 0; i < segments; ++i) {
         const double t = (i + 0.5) / segments;
-        double yaw = options_.turning_rad * std::clamp((t - 0.5) / options_.turning_share, -0.5, 0.5);
+        double yaw = turning_rad * std::clamp((t - turn_middle) / options_.turning_share, -0.5, 0.5);
         double pitch = 0.0;
         for (std::size_t m = 0; m < kModes; ++m) {
             const double shape = std::cos(std::numbers::pi * static_cast<double>(m + 1) * t);

@@ -13,11 +13,14 @@ struct InextensibleCurveOptions {
     std::uint64_t seed = 1;
     double length_m = 0.070;
     Eigen::Vector3d centre_C = {0.0, 0.0, 0.100};
-    double heading_rad = 0.7;      ///< of the chord in the image plane, from x
-    double turning_rad = 2.0;      ///< total turn of the resting arc
-    double turning_share = 1.0;    ///< of the length, about the middle, in which it turns: a loop when small
-    double depth_tilt_rad = 0.25;  ///< resting slope against the image plane
-    double arc_tilt_rad = 0.3;     ///< angle of the arc's plane out of the image plane
+    double heading_rad = 0.7;    ///< of the chord in the image plane, from x
+    double turning_rad = 2.0;    ///< total turn of the resting arc
+    double turning_share = 1.0;  ///< of the length, about the middle, in which it turns: a loop when small
+    double turning_swing_rad = 0.0;      ///< by which the total turn is more and less in turns, first less
+    double travel_share = 0.0;           ///< of the length, by which the turn's middle goes to and fro
+    double swing_frames = 120.0;         ///< a swing there and back
+    double depth_tilt_rad = 0.25;        ///< resting slope against the image plane
+    double arc_tilt_rad = 0.3;           ///< angle of the arc's plane out of the image plane
     double speed_m_per_frame = 0.00013;  ///< mean displacement of a point a frame
     int burst_ratio = 2;                 ///< speed in a burst over the mean; 1 = even
 };
@@ -42,7 +45,7 @@ class InextensibleCurve {
 
     double wave(const std::array<Wave, 3>& waves, double phase) const;
     double motion_phase(double frame) const;
-    scenes::Polyline at_phase(double phase, int segments) const;
+    scenes::Polyline at_phase(double phase, double frame, int segments) const;
 
     InextensibleCurveOptions options_;
     std::array<std::array<Wave, 3>, kModes> bend_;    ///< in the plane of the arc

@@ -99,6 +99,8 @@ InextensibleCurveOptions curve_options(const SyntheticSequenceOptions& options) 
     curve.turning_rad = options.turning_rad.value_or(curve.turning_rad);
     curve.arc_tilt_rad = options.arc_tilt_rad.value_or(curve.arc_tilt_rad);
     curve.turning_share = options.turning_share;
+    curve.turning_swing_rad = options.turning_swing_rad;
+    curve.travel_share = options.travel_share;
     const double px_m = options.depth_m / options.rig.left.fx_px;
     curve.speed_m_per_frame = 0.45 * px_m * options.motion_scale;
     return curve;

@@ -34,6 +34,8 @@ struct SyntheticSequenceOptions {
     std::optional<double> turning_rad = {};   ///< total turn of the resting arc; unset: drawn
     std::optional<double> arc_tilt_rad = {};  ///< unset: drawn; pi/2 = all sag in depth
     double turning_share = 1.0;               ///< as of the curve: with a turning of 4 to 5, a loop
+    double turning_swing_rad = 0.0;           ///< as of the curve: a loop that is formed and undone
+    double travel_share = 0.0;                ///< as of the curve: a loop that travels along the thread
     bool dark = true;
     double contrast = 60.0;     ///< grey levels between thread and background
     double noise_levels = 4.0;  ///< standard deviation

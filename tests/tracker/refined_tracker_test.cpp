@@ -120,6 +120,68 @@ TEST(RefinedTracker, follows_a_bright_thread) {
     EXPECT_LT(error_after({.seed = 32, .dark = false}, 6), 0.0004);
 }
 
+/// From the points of the true thread at the same arc length, at most: what slides along the thread is off.
+double order_error_m(const scenes::ThreadEstimate& estimate, const scenes::Polyline& truth) {
+    const scenes::Polyline even = truth.resampled(static_cast<int>(estimate.samples.size()));
+    double most = 0.0;
+    for (std::size_t i = 0; i < even.points.size(); ++i)
+        most = std::max(most, (estimate.samples[i].p_C - even.points[i]).norm());
+    return most;
+}
+
+/// A thread that crosses itself; its loop goes to and fro along it.
+SyntheticSequenceOptions travelling_loop(std::uint64_t seed) {
+    SyntheticSequenceOptions options{.seed = seed};
+    options.turning_rad = 4.7;
+    options.turning_share = 0.45;
+    options.travel_share = 0.14;
+    return options;
+}
+
+TEST(RefinedTracker, does_not_slide_along_a_thread_whose_loop_travels) {
+    track(travelling_loop(11), 40, [](int i, const SyntheticFrame& drawn, const TrackResult& result) {
+        ASSERT_EQ(result.estimate.status, scenes::TrackStatus::kTracking) << "frame " << i;
+        EXPECT_LT(order_error_m(result.estimate, drawn.truth_C), 0.002) << "frame " << i;
+    });
+}
+
+TEST(RefinedTracker, takes_more_control_points_when_a_loop_is_formed) {
+    SyntheticSequenceOptions options{.seed = 11};
+    options.turning_rad = 3.7;
+    options.turning_swing_rad = 1.5;
+    options.turning_share = 0.45;
+    options.acceleration = 4;
+    std::size_t first = 0, last = 0;
+    track(options, 15, [&](int i, const SyntheticFrame&, const TrackResult& result) {
+        (i == 0 ? first : last) = result.control_points.size();
+    });
+    EXPECT_LT(first, last);
+    EXPECT_EQ(last, 40u);
+}
+
+TEST(RefinedTracker, finds_a_thread_in_a_loop_between_its_ends) {
+    SyntheticSequenceOptions options = travelling_loop(11);
+    options.travel_share = 0.0;
+    options.clutter = false;
+    const SyntheticSequence sequence(options);
+    RefinedTracker tracker(config_for(options), options.rig);
+    for (int i = 0; i < 5; ++i) {
+        const SyntheticFrame drawn = sequence.frame(i);
+        const TrackResult& result = tracker.track(frame_of(drawn, i));
+        if (i < 4) continue;
+        ASSERT_EQ(result.estimate.status, scenes::TrackStatus::kTracking);
+        EXPECT_LT(order_error_m(result.estimate, drawn.truth_C), 0.002);
+    }
+}
+
+TEST(RefinedTracker, does_not_take_a_start_for_found_that_no_image_shows) {
+    SyntheticSequenceOptions options = travelling_loop(11);  // between its ends the curve hangs out of sight
+    options.clutter = false;
+    const SyntheticFrame drawn = SyntheticSequence(options).frame(0);
+    RefinedTracker tracker(config_for(options), options.rig);
+    EXPECT_EQ(tracker.track(frame_of(drawn, 0)).estimate.status, scenes::TrackStatus::kLost);
+}
+
 TEST(RefinedTracker, is_as_good_on_converging_distorted_cameras) {
     SyntheticSequenceOptions options{.seed = 33};
     options.rig.left.distortion = {-0.12, 0.05, 0.001, -0.001, 0.0, 0.0, 0.0, 0.0};
