@@ -8,12 +8,24 @@
 namespace atropos::tracker {
 namespace {
 
+/// Median over the points that were seen, grey levels.
+double usual_strength(const ImagePath& path) {
+    std::vector<double> levels;
+    for (const RidgePoint& point : path.points)
+        if (point.strength_levels > 0.0) levels.push_back(point.strength_levels);
+    if (levels.empty()) return 0.0;
+    const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
+    std::nth_element(levels.begin(), middle, levels.end());
+    return *middle;
+}
+
 /// Whether some line lies ahead of an end that is not the line itself.
 bool leads_on(const ImagePath& path, int end, const std::vector<ImagePath>& pieces,
               const EndCheckOptions& options) {
     constexpr double kSelf_px = 4.0;
     constexpr std::size_t kWorth = 12;  // points of a piece that is more than noise
     const PathEnd here = path_end(path, end == 0);
+    const double least_levels = options.strength_share * usual_strength(path);
     const auto is_self = [&](const Eigen::Vector2d& px) {
         return std::any_of(path.points.begin(), path.points.end(),
                            [&](const RidgePoint& p) { return (p.px - px).norm() < kSelf_px; });
@@ -21,6 +33,7 @@ bool leads_on(const ImagePath& path, int end, const std::vector<ImagePath>& piec
     for (const ImagePath& piece : pieces) {
         if (piece.points.size() < kWorth) continue;
         for (const RidgePoint& point : piece.points) {
+            if (point.strength_levels < least_levels) continue;
             const Eigen::Vector2d step = point.px - here.p;
             if (step.norm() < options.ahead_px && angle_between(step, here.out) < options.aside_rad &&
                 !is_self(point.px))
@@ -74,7 +87,7 @@ std::array<bool, 2> ends_are_plain(const RectifiedView& view, const std::array<I
             longest = std::max(longest, tail[eye][at]);
         }
         plain[static_cast<std::size_t>(end)] =
-            leaves || (longest < options.tail_px && (hidden || !on) && !itself);
+            leaves || (longest < options.tail_px && (hidden || !on) && !(hidden && itself));
     }
     return plain;
 }

@@ -7,10 +7,11 @@
 namespace atropos::tracker {
 
 struct EndCheckOptions {
-    double hidden_px = 6.0;  ///< from what hides the rest of a line
-    double ahead_px = 45.0;  ///< beyond an end, and
-    double aside_rad = 0.6;  ///< to the side, where another line may be the rest of this one
-    double tail_px = 15.0;   ///< of an end that one eye alone sees
+    double hidden_px = 6.0;       ///< from what hides the rest of a line
+    double ahead_px = 45.0;       ///< beyond an end, and
+    double aside_rad = 0.6;       ///< to the side, where another line may be the rest of this one
+    double strength_share = 0.4;  ///< of the line's own strength: worth being its rest
+    double tail_px = 15.0;        ///< of an end that one eye alone sees
 };
 
 /// Whether it is known why each end of a line (in the left path's order) is one: an instrument hides what

@@ -86,7 +86,7 @@ std::vector<LineEdges> line_edges(const ImageView& image, const ImagePath& path,
     for (std::size_t i = 0; i < edges.size(); ++i) {
         const Section& s = sections[i];
         LineEdges& e = edges[i];
-        e.found = s.whole && crossing(s.profile, reach, -1, s.ground[0] - level, e.low_px) &&
+        e.found = even_ground && s.whole && crossing(s.profile, reach, -1, s.ground[0] - level, e.low_px) &&
                   crossing(s.profile, reach, 1, s.ground[1] - level, e.high_px) && e.width_px() > 0.3;
         double low = 0.0, high = 0.0;
         if (s.whole && even_ground && crossing(s.profile, reach, -1, s.ground[0] - foot, low) &&

@@ -141,14 +141,18 @@ class PathFit {
         const Vector3d& middle = curve_.Q.col(curve_.Q.cols() / 2);
         const double px_per_m = rig_.left.fx_px / middle.z();
         double bend2 = 0.0, length = 0.0;
+        // Chords long enough that the noise of points does not pass for bending.
+        constexpr double kChord_px = 20.0;
         const auto& points = paths_[0].points;
-        constexpr std::size_t kStep = 8;
-        for (std::size_t i = kStep; i + kStep < points.size(); i += kStep) {
-            const Vector2d a = points[i].px - points[i - kStep].px, b = points[i + kStep].px - points[i].px;
+        const auto at = [&](double s) {
+            const auto i = std::lower_bound(arc_[0].begin(), arc_[0].end(), s) - arc_[0].begin();
+            return points[static_cast<std::size_t>(std::min<std::ptrdiff_t>(i, std::ssize(points) - 1))].px;
+        };
+        for (double s = kChord_px; s + kChord_px < arc_[0].back(); s += kChord_px) {
+            const Vector2d a = at(s) - at(s - kChord_px), b = at(s + kChord_px) - at(s);
             const double turn = std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
-            const double ds = 0.5 * (a.norm() + b.norm());
-            bend2 += turn * turn / std::max(ds, 1.0);
-            length += ds;
+            bend2 += turn * turn / kChord_px;
+            length += kChord_px;
         }
         const double bend_per_px = std::sqrt(bend2 / std::max(length, 1.0));
         CurvePriors priors;

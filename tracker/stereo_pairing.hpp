@@ -29,6 +29,10 @@ class RectifiedView {
 
     /// Point in C of a rectified position in the left eye and its disparity > 0.
     Eigen::Vector3d point(const Eigen::Vector2d& left, double disparity_px) const;
+    /// Disparity of a point in C.
+    double disparity_of(const Eigen::Vector3d& p_C) const {
+        return disparity_px((rectification_.R1 * p_C).z());
+    }
     double depth_m(double disparity_px) const { return focal_px_ * baseline_m_ / disparity_px; }
     double disparity_px(double depth_m) const { return focal_px_ * baseline_m_ / depth_m; }
 

@@ -7,6 +7,7 @@
 #include "tracker/end_check.hpp"
 #include "tracker/instrument_shadow.hpp"
 #include "tracker/line_edges.hpp"
+#include "tracker/line_grower.hpp"
 #include "tracker/path_curve.hpp"
 
 namespace atropos::tracker {
@@ -67,8 +68,14 @@ std::optional<FoundThread> ThreadFinder::find(const StereoFrame& frame,
     look(frame);
     std::optional<ChosenStrand> chosen = search_.search(eyes_, seed_px);
     if (!chosen) return std::nullopt;
-    const std::array<bool, 2> plain =
-        ends_are_plain(view_, chosen->path, chosen->strand.turned, eyes_, options_.end_check);
+    const bool turned = chosen->strand.turned;
+    const double offset =
+        paired_row_offset(view_, view_.path(chosen->path[0], 0, 4.0), view_.path(chosen->path[1], 1, 1.0),
+                          turned, options_.largest_row_offset_px, options_.pairing);
+    const std::array<LineEnd, 2> ends =
+        grow_line(view_, eyes_, options_.ridge.polarity, turned, offset, chosen->path, options_.grower);
+    const auto goes_on = [](LineEnd end) { return end == LineEnd::kOneEye || end == LineEnd::kItself; };
+    const std::array<bool, 2> plain = ends_are_plain(view_, chosen->path, turned, eyes_, options_.end_check);
     for (std::size_t eye = 0; eye < 2; ++eye) {
         ImagePath& path = chosen->path[eye];
         std::vector<LineEdges> edges = line_edges(eyes_[eye].image, path, options_.ridge.polarity);
@@ -76,13 +83,13 @@ std::optional<FoundThread> ThreadFinder::find(const StereoFrame& frame,
         centre_between_edges(path, edges);
         reach_instruments(path, eyes_[eye].map, options_.instrument_margin_px);
     }
-    std::optional<FoundThread> found = reconstruct(chosen->path[0], chosen->path[1], chosen->strand.turned);
+    std::optional<FoundThread> found = reconstruct(chosen->path[0], chosen->path[1], turned);
     if (!found) return found;
     if (chosen->leap)
         found->doubt = Doubt::kLeap;
     else if (chosen->rival > options_.largest_rival)
         found->doubt = Doubt::kRival;
-    else if (!plain[0] || !plain[1])
+    else if (!plain[0] || !plain[1] || goes_on(ends[0]) || goes_on(ends[1]))
         found->doubt = Doubt::kEnd;
     else if (longest_level_px(view_.path(found->paths[0], 0, 2.0)) > options_.longest_level_px)
         found->doubt = Doubt::kDepth;

@@ -11,6 +11,7 @@
 #include "scenes/tracker_config.hpp"
 #include "tracker/end_check.hpp"
 #include "tracker/image_path.hpp"
+#include "tracker/line_grower.hpp"
 #include "tracker/line_linker.hpp"
 #include "tracker/nurbs_curve.hpp"
 #include "tracker/stereo_pairing.hpp"
@@ -25,6 +26,7 @@ struct ThreadFinderOptions {
     LineLinkerOptions linker;
     StrandSearchOptions search;
     PairingOptions pairing;
+    LineGrowerOptions grower;
     double largest_rival = 0.75;  ///< of the chosen line's weight, beyond which the choice is unsure
     double least_score = 0.5;     ///< of a fit that is sure
     EndCheckOptions end_check;

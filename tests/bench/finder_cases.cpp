@@ -19,8 +19,9 @@ double cpu_ms() {
 
 }  // namespace
 
-TimedFind timed_find(const scenes::StereoRig& rig, const tracker::StereoFrame& frame, int runs) {
-    tracker::ThreadFinder finder(rig);
+TimedFind timed_find(const scenes::StereoRig& rig, const tracker::StereoFrame& frame, int runs,
+                     const scenes::TrackerConfig& config) {
+    tracker::ThreadFinder finder(rig, tracker::finder_options(config));
     TimedFind result{finder.find(frame), std::numeric_limits<double>::max()};
     for (int i = 0; i < runs; ++i) {
         const double begin = cpu_ms();

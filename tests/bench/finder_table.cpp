@@ -15,13 +15,14 @@ int main(int argc, char** argv) {
     program.add_option("--frames", options.frames, "of each generated kind")->capture_default_str();
     program.add_option("--first-seed", options.first_seed)->capture_default_str();
     program.add_option("--only", only)
-        ->check(CLI::IsMember({"real", "sim", "generated", "crossing", "track"}));
+        ->check(CLI::IsMember({"real", "sim", "generated", "rendered", "pad", "track"}));
     program.add_flag("--verbose", options.verbose, "a line for each frame that is wrong or doubted");
     CLI11_PARSE(program, argc, argv);
     const auto wanted = [&](const char* kind) { return only.empty() || only == kind; };
     if (wanted("real")) print_real_pairs(options);
     if (wanted("sim")) print_rendered_pairs(options);
-    if (wanted("generated") || wanted("crossing"))
-        print_generated(options, wanted("generated"), wanted("crossing"));
+    if (wanted("generated")) print_generated(options);
+    if (wanted("rendered")) print_rendered(options);
+    if (wanted("pad")) print_on_pad(options);
     if (wanted("track")) print_tracked(options);
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <opencv2/imgproc.hpp>
 
 #include "tests/support/synthetic_sequence.hpp"
 #include "tests/support/tracking_trial.hpp"
@@ -84,12 +85,23 @@ TEST(ThreadFinder, tells_a_thread_from_vessels_by_its_standing_off_the_ground) {
     }
 }
 
-TEST(ThreadFinder, doubts_a_line_that_one_eye_sees_run_on_into_another) {
-    // A vessel meets the thread at a flat angle and leads it astray.
+TEST(ThreadFinder, is_not_led_astray_by_a_vessel_that_meets_the_thread_at_a_flat_angle) {
     const SyntheticSequence sequence(cluttered(34));
     const auto found = ThreadFinder(sequence.options().rig).find(support::stereo_frame(sequence.frame(0), 0));
     ASSERT_TRUE(found);
-    EXPECT_NE(found->doubt, Doubt::kNone);
+    EXPECT_EQ(found->doubt, Doubt::kNone);
+    EXPECT_LT(symmetric_image_distance_px(line_of(*found), sequence.truth(0), sequence.options().rig), 1.5);
+}
+
+TEST(ThreadFinder, doubts_an_end_that_one_eye_alone_sees) {
+    const SyntheticSequence sequence(bare(1));
+    StereoFrame frame = support::stereo_frame(sequence.frame(0), 0);
+    const Eigen::Vector2d end = sequence.options().rig.project_right(sequence.truth(0).points.back());
+    const int level = frame.right.at<unsigned char>(5, 5);
+    cv::circle(frame.right, {static_cast<int>(end.x()), static_cast<int>(end.y())}, 60, level, -1);
+    const auto found = ThreadFinder(sequence.options().rig).find(frame);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->doubt, Doubt::kEnd);
 }
 
 TEST(ThreadFinder, doubts_which_of_two_threads_is_meant_but_not_with_a_point_given) {
