@@ -35,7 +35,8 @@ tracker::StereoFrame ThreadStarter::with_ends(const tracker::StereoFrame& frame,
     }
     ends_C_ = ends;
     tracker::StereoFrame known = frame;
-    for (std::size_t end = 0; end < 2; ++end) known.tips[end] = tracker::MeasuredTip{ends[end]};
+    for (std::size_t end = 0; end < 2; ++end)
+        known.tips[end] = tracker::MeasuredTip{ends[end], tracker::MeasuredTip::Kind::kSeen};
     return known;
 }
 

@@ -19,7 +19,16 @@ EndPrior prior_of(const UncertainPoint& expected) {
 }
 
 bool is_held(const std::optional<MeasuredTip>& tip) {
-    return tip && tip->kind != MeasuredTip::Kind::kFixed;
+    return tip && tip->kind == MeasuredTip::Kind::kHeld;
+}
+
+/// What is known of an end that no arm holds: a knot, or what the finder saw, which may be gone astray.
+EndPrior unheld_prior(const MeasuredTip& tip) {
+    constexpr double kSeenSigma_m = 0.0003, kSeenRobustSigmas = 3.0;
+    if (tip.kind == MeasuredTip::Kind::kFixed) return end_prior(tip, 0.0);
+    EndPrior prior = end_prior(tip, kSeenSigma_m);
+    prior.robust_sigmas = kSeenRobustSigmas;
+    return prior;
 }
 
 }  // namespace
@@ -63,7 +72,7 @@ void MeasuredEnds::expect(const StereoFrame& frame, CurveProblem& problem) {
         problem.ends[end].reset();
         if (!frame.tips[end]) continue;
         if (!is_held(frame.tips[end])) {
-            problem.ends[end] = end_prior(*frame.tips[end], 0.0);
+            problem.ends[end] = unheld_prior(*frame.tips[end]);
             continue;
         }
         expected_[end] = beliefs_[end].expected(frame.tips[end]->p_C);

@@ -19,11 +19,12 @@
 
 namespace atropos::tracker {
 
-/// Where the kinematics say that an end of the thread is (II-F).
+/// Where an end of the thread is known to be, by the kinematics (II-F) or by sight.
 struct MeasuredTip {
     enum class Kind {
         kHeld,   ///< by an instrument: approximate, eq. 19
         kFixed,  ///< does not move, such as a knot: the curve ends exactly there
+        kSeen,   ///< found in these very pictures: no arm's error is in it
     };
     Eigen::Vector3d p_C = Eigen::Vector3d::Zero();  ///< m
     Kind kind = Kind::kHeld;

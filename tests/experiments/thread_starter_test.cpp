@@ -10,20 +10,23 @@ namespace atropos::experiments {
 namespace {
 
 TEST(ThreadStarter, keeps_the_ends_of_a_thread_whose_ends_nobody_measures) {
-    const support::SyntheticSequence sequence({.seed = 4});
+    const support::SyntheticSequence sequence({.seed = 1});
     scenes::TrackerConfig config;
     config.method = scenes::TrackerMethod::kRefined;
     const auto tracker = tracker::make_tracker(config, sequence.options().rig);
     ThreadStarter starter(config, sequence.options().rig);
-    for (int i = 0; i < 11; ++i) {
+    double length_m = 0.0;
+    constexpr int kFrames = 20;
+    for (int i = 0; i < kFrames; ++i) {
         tracker::StereoFrame frame = support::stereo_frame(sequence.frame(i), i);
         frame.tips = {};
         const tracker::TrackResult& result = starter.track(*tracker, frame);
         ASSERT_EQ(result.estimate.status, scenes::TrackStatus::kTracking) << i;
-        // The instruments, some mm of their noses, hide 3.1 mm at either end. Left alone, the curve shrinks
-        // by a seventh in these frames.
-        EXPECT_NEAR(result.estimate.samples.back().s_m, 0.070 - 2 * 0.0031, 0.0025) << i;
+        length_m += result.estimate.samples.back().s_m / kFrames;
     }
+    // The instruments, some mm of their noses, hide 3.1 mm at either end. Left alone, the curve shrinks by a
+    // seventh in these frames; with ends that may be off as an arm's are, by 4 %.
+    EXPECT_NEAR(length_m, 0.070 - 2 * 0.0031, 0.02 * 0.064);
 }
 
 TEST(ThreadStarter, leaves_measured_ends_alone) {
