@@ -19,28 +19,61 @@ double usual_strength(const ImagePath& path) {
     return *middle;
 }
 
-/// Whether some line lies ahead of an end that is not the line itself.
-bool leads_on(const ImagePath& path, int end, const std::vector<ImagePath>& pieces,
-              const EndCheckOptions& options) {
+/// What lies ahead of an end, by pieces: points of a line that could be the rest of this one, as far as one
+/// eye can tell.
+using Ahead = std::vector<std::vector<Eigen::Vector2d>>;
+
+Ahead ahead(const ImagePath& path, int end, const std::vector<ImagePath>& pieces,
+            const EndCheckOptions& options) {
     constexpr double kSelf_px = 4.0;
     constexpr std::size_t kWorth = 12;  // points of a piece that is more than noise
     const PathEnd here = path_end(path, end == 0);
-    const double least_levels = options.strength_share * usual_strength(path);
+    const double usual_levels = usual_strength(path);
     const auto is_self = [&](const Eigen::Vector2d& px) {
         return std::any_of(path.points.begin(), path.points.end(),
                            [&](const RidgePoint& p) { return (p.px - px).norm() < kSelf_px; });
     };
+    const auto comes_from_here = [&](const RidgePoint& point) {
+        const Eigen::Vector2d step = point.px - here.p;
+        if (point.strength_levels > options.alike_share * usual_levels && step.norm() < options.near_px)
+            return true;
+        return point.strength_levels > options.strength_share * usual_levels &&
+               step.norm() < options.ahead_px && angle_between(step, here.out) < options.aside_rad &&
+               std::abs(step.dot(point.tangent)) > std::cos(options.bend_rad) * step.norm();
+    };
+    Ahead list;
     for (const ImagePath& piece : pieces) {
         if (piece.points.size() < kWorth) continue;
-        for (const RidgePoint& point : piece.points) {
-            if (point.strength_levels < least_levels) continue;
-            const Eigen::Vector2d step = point.px - here.p;
-            if (step.norm() < options.ahead_px && angle_between(step, here.out) < options.aside_rad &&
-                !is_self(point.px))
-                return true;
-        }
+        std::vector<Eigen::Vector2d> points;
+        for (const RidgePoint& point : piece.points)
+            if (comes_from_here(point) && !is_self(point.px)) points.push_back(point.px);
+        if (!points.empty()) list.push_back(std::move(points));
     }
-    return false;
+    return list;
+}
+
+/// Whether both eyes see one piece of a line ahead of an end where a thread could come from it.
+bool leads_on(const RectifiedView& view, const Eigen::Vector2d& end, double disparity_px,
+              const std::array<Ahead, 2>& ahead, const EndCheckOptions& options) {
+    constexpr double kRow_px = 1.5, kDisparity_px = 1.5;
+    constexpr int kLeast = 6;  // points
+    const double slope = options.steepest * std::abs(disparity_px) / view.focal_px();
+    const auto is_one = [&](const std::vector<Eigen::Vector2d>& left,
+                            const std::vector<Eigen::Vector2d>& right) {
+        return std::count_if(left.begin(), left.end(), [&](const Eigen::Vector2d& left_px) {
+                   const Eigen::Vector2d p = view.rectified(left_px, 0);
+                   const double most = kDisparity_px + slope * (p - end).norm();
+                   return std::any_of(right.begin(), right.end(), [&](const Eigen::Vector2d& right_px) {
+                       const Eigen::Vector2d q = view.rectified(right_px, 1);
+                       return std::abs(p.y() - q.y()) < kRow_px &&
+                              std::abs(p.x() - q.x() - disparity_px) < most;
+                   });
+               }) >= kLeast;
+    };
+    return std::any_of(ahead[0].begin(), ahead[0].end(), [&](const auto& left) {
+        return std::any_of(ahead[1].begin(), ahead[1].end(),
+                           [&](const auto& right) { return is_one(left, right); });
+    });
 }
 
 /// Whether the line passes its own end: it may cross itself in what is hidden.
@@ -75,17 +108,23 @@ std::array<bool, 2> ends_are_plain(const RectifiedView& view, const std::array<I
          right.arc_px.back() - right.arc_px[static_cast<std::size_t>(pairing.right_end - 1)]}};
     std::array<bool, 2> plain{};
     for (int end = 0; end < 2; ++end) {
-        bool hidden = false, leaves = false, on = false, itself = false;
+        bool hidden = false, leaves = false, itself = false;
+        std::array<Ahead, 2> rest;
         double longest = 0.0;
         for (int eye = 0; eye < 2; ++eye) {
             const std::size_t k = static_cast<std::size_t>(eye);
             const int at = eye == 1 && turned ? 1 - end : end;
             hidden |= near_hidden(eyes[k].map, path[k].end(at).px, options.hidden_px);
             leaves |= path[k].leaves_image(at, eyes[k].map.width, eyes[k].map.height);
-            on |= leads_on(path[k], at, eyes[k].pieces, options);
+            rest[k] = ahead(path[k], at, eyes[k].pieces, options);
             itself |= passes_itself(path[k], at);
             longest = std::max(longest, tail[eye][at]);
         }
+        const auto i = static_cast<std::size_t>(end == 0 ? first - pairing.right.begin()
+                                                         : pairing.right.rend() - last - 1);
+        const Eigen::Vector2d& p = left.points[i];
+        const double disparity_px = p.x() - right.points[static_cast<std::size_t>(pairing.right[i])].x();
+        const bool on = leads_on(view, p, disparity_px, rest, options);
         plain[static_cast<std::size_t>(end)] =
             leaves || (longest < options.tail_px && (hidden || !on) && !(hidden && itself));
     }

@@ -43,4 +43,11 @@ struct LineCourseOptions {
 /// Least squares over the nodes seen by both eyes: the image's curve to second order, disparity to first.
 LineCourse course_of(std::span<const LineNode> line, double unseen_px, const LineCourseOptions& options = {});
 
+/// How well a line's disparity is known at its back, px: along the epipolar line, it is a guess.
+double known_disparity_px(std::span<const LineNode> line);
+
+/// Whether most of a stretch lies nearer or farther than a thread gets on the way there from the back of a
+/// line. Where that way is along the epipolar line, it does not.
+bool leaps(std::span<const LineNode> line, std::span<const LineNode> stretch, double focal_px);
+
 }  // namespace atropos::tracker

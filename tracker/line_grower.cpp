@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
+#include "tracker/line_fade.hpp"
 #include "tracker/line_look.hpp"
+#include "tracker/line_paths.hpp"
 #include "tracker/paired_points.hpp"
 
 namespace atropos::tracker {
@@ -43,43 +46,6 @@ bool runs_along(const Nodes& line, const LineNode& node) {
     });
 }
 
-/// What a path has beyond the end of a part of it: the other eye's image may end before this one's.
-void add_tail(const ImagePath& whole, ImagePath& part) {
-    constexpr double kNear_px = 5.0;
-    const Vector2d from = part.points.back().px;
-    const auto nearest = std::min_element(
-        whole.points.begin(), whole.points.end(), [&](const RidgePoint& a, const RidgePoint& b) {
-            return (a.px - from).squaredNorm() < (b.px - from).squaredNorm();
-        });
-    if ((nearest->px - from).norm() < kNear_px)
-        part.points.insert(part.points.end(), nearest + 1, whole.points.end());
-}
-
-/// The paths anew: their own points between nodes that came from them, the nodes elsewhere.
-void write(const Nodes& line, const std::array<LineEnd, 2>& ends, std::array<ImagePath, 2>& paths) {
-    for (const std::size_t eye : {0, 1}) {
-        const std::vector<double> arc = paths[eye].arc_lengths_px();
-        ImagePath path;
-        path.joins = paths[eye].joins;
-        for (std::size_t k = 0; k < line.size(); ++k) {
-            const double to = line[k].arc_px[eye], from = k > 0 ? line[k - 1].arc_px[eye] : -1.0;
-            if (to < 0.0 || from < 0.0) {
-                path.points.push_back(line[k].eye[eye]);
-                continue;
-            }
-            for (auto i = std::upper_bound(arc.begin(), arc.end(), from) - arc.begin();
-                 i < std::ssize(arc) && arc[static_cast<std::size_t>(i)] <= to; ++i)
-                path.points.push_back(paths[eye].points[static_cast<std::size_t>(i)]);
-        }
-        for (const std::size_t end : {1, 0}) {
-            if (ends[end] == LineEnd::kLeaves) add_tail(paths[eye], path);
-            path.reverse();
-            paths[eye].reverse();
-        }
-        paths[eye] = std::move(path);
-    }
-}
-
 class Grower {
   public:
     Grower(const RectifiedView& view, const std::array<EyeLines, 2>& eyes, double row_offset_px,
@@ -99,11 +65,13 @@ class Grower {
             for (const std::size_t eye : {0, 1})
                 node.clutter[eye] = looks_[eye].beside(node.eye[eye], options_.search_px);
         ends[1] = follow(line, {end, found.end()});
+        trim(line, ends[1]);
         turn(line);
         turn(before);
         ends[0] = follow(line, before);
+        trim(line, ends[0]);
         turn(line);
-        write(line, ends, paths);
+        write_paths(line, ends, eyes_, paths);
         return ends;
     }
 
@@ -190,12 +158,65 @@ class Grower {
             if (here == found.end()) return false;
             if (off_px(*here) > kNear_px) continue;
             const auto end = sure_from(here + 1, found.end());
-            if (end == found.end()) return false;
+            if (end == found.end() || leaps({line.data(), size}, {here + 1, end + 1}, view_.focal_px()))
+                return false;
             line.resize(size);
             line.insert(line.end(), here + 1, end + 1);
             return true;
         }
         return false;
+    }
+
+    /// Takes off at the back what has so much less contrast than what comes before that it is something else:
+    /// the line ends at half its contrast. Where it fades, nobody knows where that is.
+    void trim(Nodes& line, LineEnd& end) const {
+        constexpr double kHalf = 0.5, kLittle = 0.3, kMuch = 0.7, kSharp_px = 8.0, kOn_px = 7.0;
+        if (end == LineEnd::kHidden) return;
+        if (end == LineEnd::kLeaves) {
+            const auto last = std::find_if(line.rbegin(), line.rend(),
+                                           [&](const LineNode& node) { return has_ground(node); });
+            const std::span<const LineNode> known(line.begin(), last.base());
+            if (fainter_at_back(known, kHalf) == 0) return;
+            line.resize(known.size());
+            end = LineEnd::kPlain;
+        }
+        Nodes on = line;
+        look_on(on);
+        const auto px = [&](std::ptrdiff_t nodes) { return options_.step_px * static_cast<double>(nodes); };
+        const double fade_px = px(fainter_at_back(on, kMuch) - fainter_at_back(on, kLittle));
+        const double on_px = px(std::ssize(on) - std::ssize(line) - fainter_at_back(on, kHalf));
+        line.resize(line.size() - static_cast<std::size_t>(fainter_at_back(line, kHalf)));
+        if (end != LineEnd::kPlain) return;
+        if (fade_px > kSharp_px)
+            end = LineEnd::kFades;
+        else if (on_px > kOn_px)
+            end = LineEnd::kOneEye;
+    }
+
+    /// Whether both eyes' images show what lies beside a node.
+    bool has_ground(const LineNode& node) const {
+        constexpr double kBeside_px = 9.0;
+        for (const std::size_t eye : {0, 1})
+            for (const double side : {-kBeside_px, kBeside_px}) {
+                const RidgePoint& at = node.eye[eye];
+                const Vector2d px = at.px + side * Vector2d(-at.tangent.y(), at.tangent.x());
+                if (px.minCoeff() < 0.0 || px.x() > eyes_[eye].image.width - 1 ||
+                    px.y() > eyes_[eye].image.height - 1)
+                    return false;
+            }
+        return true;
+    }
+
+    /// Where it would go on, unseen.
+    void look_on(Nodes& line) const {
+        constexpr double kAhead_px = 15.0;
+        for (int k = 0; k * options_.step_px < kAhead_px; ++k) {
+            LineNode node = next(line, k * options_.step_px);
+            if (leaves(node)) return;
+            for (const std::size_t eye : {0, 1})
+                node.contrast[eye] = looks_[eye].at(node.eye[eye], options_.search_px).contrast;
+            line.push_back(node);
+        }
     }
 
     /// The last node of the first stretch that is the line surely; the end when there is none.
@@ -272,7 +293,7 @@ class Grower {
 
     /// Looks for the line at a node, and moves the node to it where both eyes see it at one place in space.
     void measure(const Nodes& line, LineNode& node) const {
-        constexpr double kAgree_px = 0.8, kLeap_px = 1.5;
+        constexpr double kAgree_px = 0.8;
         std::array<LineSight, 2> sight;
         for (const std::size_t eye : {0, 1}) {
             sight[eye] = looks_[eye].at(node.eye[eye], options_.search_px);
@@ -287,7 +308,7 @@ class Grower {
         const Vector2d shift = sight[0].offset_px * normal(0);
         // What the right eye is off by beyond that is disparity, as far as the line's direction shows it.
         const double rest = sight[1].offset_px - normal(1).dot(shift), by_disparity = -normal(1).x();
-        if (std::abs(rest) > kAgree_px + kLeap_px * std::abs(by_disparity)) {
+        if (std::abs(rest) > kAgree_px + known_disparity_px(line) * std::abs(by_disparity)) {
             node.seen = {};
             return;
         }

@@ -25,6 +25,7 @@ enum class LineEnd {
     kLeaves,  ///< the image ends
     kOneEye,  ///< one eye sees it go on
     kItself,  ///< it runs on along itself
+    kFades,   ///< somewhere here, its contrast is lost little by little
 };
 
 /// Follows a line in both eyes at once, from its surest stretch to where it ends in both: as long as it goes

@@ -80,11 +80,14 @@ std::optional<ChosenStrand> StrandSearch::choose(const std::array<EyeLines, 2>& 
             chosen.rival = std::max(chosen.rival, weight(k) / weight(best));
         if (k != best && standing[k] > options_.companion_share) chosen.companions.push_back(list[k]);
     }
-    const RectifiedPath left = view_.path(chosen.path[0], 0, 2.0), right = view_.path(chosen.path[1], 1, 1.0);
-    const Pairing pairing =
-        pair_paths(view_, left, right, 0.0, chosen.strand.turned, options_.strand.pairing);
-    chosen.leap = depth_leap(view_, paired_strand(left, right, pairing), ground_, options_.standing_px);
+    chosen.leap = leap(chosen.path, chosen.strand.turned);
     return chosen;
+}
+
+std::optional<DepthLeap> StrandSearch::leap(const std::array<ImagePath, 2>& path, bool turned) const {
+    const RectifiedPath left = view_.path(path[0], 0, 2.0), right = view_.path(path[1], 1, 1.0);
+    const Pairing pairing = pair_paths(view_, left, right, 0.0, turned, options_.strand.pairing);
+    return depth_leap(view_, paired_strand(left, right, pairing), ground_, options_.standing_px);
 }
 
 // Whether there was anything new in it.

@@ -54,6 +54,9 @@ class StrandSearch {
     std::optional<ChosenStrand> search(std::array<EyeLines, 2>& eyes,
                                        const std::optional<Eigen::Vector2d>& seed_px);
 
+    /// Where a line of this frame leaps in depth; `turned`: its right path runs the other way.
+    std::optional<DepthLeap> leap(const std::array<ImagePath, 2>& path, bool turned) const;
+
   private:
     StereoPaths joined(const std::array<EyeLines, 2>& eyes,
                        const std::optional<Eigen::Vector2d>& seed_px) const;

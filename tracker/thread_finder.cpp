@@ -45,6 +45,17 @@ double longest_level_px(const RectifiedPath& line) {
     return longest;
 }
 
+/// Whether the curve comes to the ends of the lines it was fitted to, in both eyes.
+bool reaches_its_ends(const FoundThread& found, bool right_turned) {
+    constexpr double kNear_px = 8.0;
+    const auto is_near = [&](const Eigen::Vector3d& p_C, int end) {
+        const int right_end = right_turned ? 1 - end : end;
+        return (found.rig.project_left(p_C) - found.paths[0].end(end).px).norm() < kNear_px &&
+               (found.rig.project_right(p_C) - found.paths[1].end(right_end).px).norm() < kNear_px;
+    };
+    return is_near(found.samples.front().p_C, 0) && is_near(found.samples.back().p_C, 1);
+}
+
 }  // namespace
 
 ThreadFinder::ThreadFinder(const scenes::StereoRig& rig, const ThreadFinderOptions& options)
@@ -72,9 +83,15 @@ std::optional<FoundThread> ThreadFinder::find(const StereoFrame& frame,
     const double offset =
         paired_row_offset(view_, view_.path(chosen->path[0], 0, 4.0), view_.path(chosen->path[1], 1, 1.0),
                           turned, options_.largest_row_offset_px, options_.pairing);
+    const double strength = std::min(chosen->path[0].strength(), chosen->path[1].strength());
     const std::array<LineEnd, 2> ends =
         grow_line(view_, eyes_, options_.ridge.polarity, turned, offset, chosen->path, options_.grower);
-    const auto goes_on = [](LineEnd end) { return end == LineEnd::kOneEye || end == LineEnd::kItself; };
+    const double kept = std::min(chosen->path[0].strength(), chosen->path[1].strength());
+    const double rival = std::max(chosen->rival, (strength - kept) / std::max(kept, 1e-9));
+    const std::optional<DepthLeap> leap = search_.leap(chosen->path, turned);
+    const auto goes_on = [](LineEnd end) {
+        return end == LineEnd::kOneEye || end == LineEnd::kItself || end == LineEnd::kFades;
+    };
     const std::array<bool, 2> plain = ends_are_plain(view_, chosen->path, turned, eyes_, options_.end_check);
     for (std::size_t eye = 0; eye < 2; ++eye) {
         ImagePath& path = chosen->path[eye];
@@ -85,11 +102,12 @@ std::optional<FoundThread> ThreadFinder::find(const StereoFrame& frame,
     }
     std::optional<FoundThread> found = reconstruct(chosen->path[0], chosen->path[1], turned);
     if (!found) return found;
-    if (chosen->leap)
+    if (leap)
         found->doubt = Doubt::kLeap;
-    else if (chosen->rival > options_.largest_rival)
+    else if (rival > options_.largest_rival)
         found->doubt = Doubt::kRival;
-    else if (!plain[0] || !plain[1] || goes_on(ends[0]) || goes_on(ends[1]))
+    else if (!plain[0] || !plain[1] || goes_on(ends[0]) || goes_on(ends[1]) ||
+             !reaches_its_ends(*found, turned))
         found->doubt = Doubt::kEnd;
     else if (longest_level_px(view_.path(found->paths[0], 0, 2.0)) > options_.longest_level_px)
         found->doubt = Doubt::kDepth;

@@ -28,7 +28,7 @@ struct ThreadFinderOptions {
     PairingOptions pairing;
     LineGrowerOptions grower;
     double largest_rival = 0.75;  ///< of the chosen line's weight, beyond which the choice is unsure
-    double least_score = 0.5;     ///< of a fit that is sure
+    double least_score = 0.8;     ///< of a fit that is sure
     EndCheckOptions end_check;
     double longest_level_px = 120.0;    ///< along the epipolar line
     double instrument_margin_px = 3.5;  ///< around the measured instruments, nothing is looked for

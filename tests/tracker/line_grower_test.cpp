@@ -107,6 +107,13 @@ TEST_F(LineGrowerTest, cuts_off_what_has_not_the_lines_contrast) {
     for (const std::size_t eye : {0, 1}) EXPECT_LT(off_px(eye, 1, 300.0), 5.0);
 }
 
+TEST_F(LineGrowerTest, says_that_a_line_fades_little_by_little) {
+    for (const std::size_t eye : {0, 1})
+        for (double s = 240.0; s < 300.0; s += 5.0)
+            stroke(eye, s, s + 5.0, static_cast<int>(std::lround(50.0 + 100.0 * (s - 240.0) / 60.0)));
+    EXPECT_EQ(grow(60.0, 200.0), (std::array{LineEnd::kPlain, LineEnd::kFades}));
+}
+
 TEST_F(LineGrowerTest, says_that_one_eye_sees_more_of_the_line) {
     stroke(1, 300.0, 380.0, 50);
     EXPECT_EQ(grow(60.0, 200.0)[1], LineEnd::kOneEye);
@@ -142,6 +149,25 @@ TEST(LineLook, sees_a_line_where_it_is_and_in_the_shade_as_well) {
         EXPECT_NEAR(sight.contrast, 0.65, 0.08);
         EXPECT_LT(look.beside({{100.0, 50.0}, {1.0, 0.0}, 0.0}, 2.5), 0.02);
     }
+}
+
+TEST(LineCourse, sees_a_leap_in_depth_but_not_along_the_epipolar_line) {
+    constexpr double kFocal_px = 575.0;
+    const auto line = [](double from_px, const Vector2d& along, double disparity_px) {
+        std::vector<LineNode> nodes;
+        for (double s = from_px; s < from_px + 30.0; s += 1.5) {
+            LineNode node;
+            node.left = s * along;
+            node.disparity_px = disparity_px;
+            for (RidgePoint& point : node.eye) point.tangent = along;
+            nodes.push_back(node);
+        }
+        return nodes;
+    };
+    const Vector2d down(0.0, 1.0), level(1.0, 0.0);
+    EXPECT_FALSE(leaps(line(0.0, down, 30.0), line(40.0, down, 31.0), kFocal_px));
+    EXPECT_TRUE(leaps(line(0.0, down, 30.0), line(40.0, down, 24.0), kFocal_px));
+    EXPECT_FALSE(leaps(line(0.0, level, 30.0), line(40.0, level, 24.0), kFocal_px));
 }
 
 TEST(LineCourse, goes_on_along_a_circle_and_a_ramp_of_disparity) {
