@@ -4,6 +4,8 @@ namespace atropos::tracker {
 namespace {
 
 constexpr double kVelocityDamping = 0.5;
+constexpr double kFastest_m_s =
+    0.15;  ///< what was farther off was found again, or has leapt: it does not go on so
 
 }  // namespace
 
@@ -18,7 +20,10 @@ void MotionPrediction::predict(const Eigen::Matrix3Xd& Q, const std::array<Eigen
 }
 
 void MotionPrediction::follow(const Eigen::Matrix3Xd& found, const Eigen::Matrix3Xd& expected, double dt_s) {
-    velocity_m_s = kVelocityDamping * velocity_m_s + (found - expected) / dt_s;
+    if ((found - expected).colwise().norm().maxCoeff() > kFastest_m_s * dt_s)
+        velocity_m_s.setZero();
+    else
+        velocity_m_s = kVelocityDamping * velocity_m_s + (found - expected) / dt_s;
 }
 
 }  // namespace atropos::tracker

@@ -14,7 +14,7 @@ struct MotionPrediction {
     void predict(const Eigen::Matrix3Xd& Q, const std::array<Eigen::Vector3d, 2>& moved_m, double dt_s,
                  Eigen::Matrix3Xd& expected) const;
 
-    /// What was found where `expected` was predicted `dt_s` > 0 before.
+    /// What was found where `expected` was predicted `dt_s` > 0 before. What leapt is taken to be at rest.
     void follow(const Eigen::Matrix3Xd& found, const Eigen::Matrix3Xd& expected, double dt_s);
 };
 

@@ -16,7 +16,24 @@ constexpr std::size_t kLevels = 4;     ///< of five
 
 constexpr double kJaws_m = 0.012;      ///< most of a thread that jaws hide at an end
 constexpr double kLengthError = 0.08;  ///< of a traced thread, its hidden ends cut short
+constexpr double kLeastAcross =
+    0.5;  ///< of a curve's length: where nothing tells depth, depth hides any length
 constexpr int kTracedPoints = 400, kTracedControlPoints = 40;
+
+/// How much of a line in C runs across the viewing rays.
+double share_across_view(const scenes::Polyline& line) {
+    double across_m = 0.0;
+    for (std::size_t i = 1; i < line.points.size(); ++i) {
+        const Eigen::Vector3d step = line.points[i] - line.points[i - 1];
+        across_m += step.cross(line.points[i].normalized()).norm();
+    }
+    return across_m / line.length_m();
+}
+
+NurbsCurve fitted(const scenes::Polyline& line) {
+    return fit_curve(line.resampled(kTracedPoints),
+                     {.degree = 3, .control_points = kTracedControlPoints, .length_weight = 0.3});
+}
 
 /// Seven control points or eight are few enough for pairs of labels to move every part of the curve.
 scenes::TrackerConfig search_config(scenes::TrackerConfig config) {
@@ -93,7 +110,7 @@ std::optional<NurbsCurve> Recovery::traced(const StereoFrame& frame) {
     if (!frame.tips[0] || !frame.tips[1]) return std::nullopt;
     if (!finder_) finder_.emplace(rig_, finder_options(config_));
     const std::optional<FoundThread> found = finder_->find(small(frame));
-    if (!found || found->doubt != Doubt::kNone) return std::nullopt;
+    if (!found || found->doubt != Doubt::kNone) return between_ends();
     scenes::Polyline line = sampled(found->curve, kTracedPoints);
     const auto apart_m = [&] {
         return std::array{(line.points.front() - frame.tips[0]->p_C).norm(),
@@ -104,20 +121,31 @@ std::optional<NurbsCurve> Recovery::traced(const StereoFrame& frame) {
     if (const std::array turned = apart_m(); as_found[0] + as_found[1] < turned[0] + turned[1])
         std::reverse(line.points.begin(), line.points.end());
     for (const double d : apart_m())
-        if (d > kJaws_m) return std::nullopt;
+        if (d > kJaws_m) return between_ends();
     line.points.insert(line.points.begin(), frame.tips[0]->p_C);
     line.points.push_back(frame.tips[1]->p_C);
     const double known_m = config_.thread.length_m;
-    if (known_m > 0.0 && std::abs(line.length_m() - known_m) > kLengthError * known_m) return std::nullopt;
-    return fit_curve(line.resampled(kTracedPoints),
-                     {.degree = 3, .control_points = kTracedControlPoints, .length_weight = 0.3});
+    if (known_m > 0.0 && std::abs(line.length_m() - known_m) > kLengthError * known_m) return between_ends();
+    return fitted(line);
+}
+
+// The same without a finder's doubts: the ends and the length tell which line is the thread.
+std::optional<NurbsCurve> Recovery::between_ends() {
+    if (!end_to_end_)
+        end_to_end_.emplace(rig_, EndToEndOptions{.channel = config_.thread.channel,
+                                                  .ridge = {.polarity = config_.thread.polarity}});
+    const std::optional<scenes::Polyline> line = end_to_end_->find(small_, config_.thread.length_m);
+    if (!line) return std::nullopt;
+    return fitted(*line);
 }
 
 std::optional<NurbsCurve> Recovery::curve_of(const std::vector<Eigen::Vector3d>& control_points) const {
     if (control_points.empty()) return std::nullopt;
     for (const Eigen::Vector3d& q : control_points)
         if (!q.allFinite()) return std::nullopt;
-    return NurbsCurve(config_.curve.degree, control_points);
+    NurbsCurve curve(config_.curve.degree, control_points);
+    if (share_across_view(sampled(curve, 100)) < kLeastAcross) return std::nullopt;
+    return curve;
 }
 
 }  // namespace atropos::tracker

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "tracker/end_to_end_search.hpp"
 #include "tracker/mode_search.hpp"
 #include "tracker/stereo_tracker.hpp"
 #include "tracker/thread_finder.hpp"
@@ -28,20 +29,23 @@ class Recovery {
     /// Anywhere between two measured ends (III); nothing when an end is unknown or no thread is seen.
     std::optional<NurbsCurve> between_tips(const StereoFrame& frame);
 
-    /// What the finder sees run from one measured end to the other, loops and all; nothing when it doubts
-    /// that, or when the length is known and is another one.
+    /// What the finder sees run from one measured end to the other, loops and all; where it doubts that, or
+    /// the length is known and is another one, what the search of the way between the ends finds of that
+    /// length.
     std::optional<NurbsCurve> traced(const StereoFrame& frame);
 
   private:
     const StereoFrame& small(const StereoFrame& frame);
+    std::optional<NurbsCurve> between_ends();
     std::optional<NurbsCurve> curve_of(const std::vector<Eigen::Vector3d>& control_points) const;
 
     scenes::TrackerConfig config_;
     double shrinkage_;       ///< of the pictures that are searched
     scenes::StereoRig rig_;  ///< of those
     ThreadTracker search_;
-    std::optional<ModeSearch> mode_search_;  ///< once it was asked for
-    std::optional<ThreadFinder> finder_;     ///< likewise
+    std::optional<ModeSearch> mode_search_;     ///< once it was asked for
+    std::optional<ThreadFinder> finder_;        ///< likewise
+    std::optional<EndToEndSearch> end_to_end_;  ///< likewise
     scenes::WorkerPool pool_;
     StereoFrame small_;
     std::array<cv::Mat, 2> shrunk_;
