@@ -50,20 +50,23 @@ class Manipulating final : public ArmMotion {
           X_WB_(start.X_WB),
           X_WC_(start.X_WC),
           motion_({start.X_WC.inverse() * start.X_WG[0], start.X_WC.inverse() * start.X_WG[1]},
-                  options(scene), scene.seed) {}
+                  options(scene, start), scene.seed) {}
 
     void step(const MotionView& view) override {
         send_grip(view, X_WB_, X_WC_ * motion_.at(view.next_s)[arm_]);
     }
 
   private:
-    static robot::ManipulationOptions options(const scenes::SceneConfig& scene) {
+    static robot::ManipulationOptions options(const scenes::SceneConfig& scene, const MotionStart& start) {
         robot::ManipulationOptions options;
         options.speed_m_s = scene.arms.speed_m_s;
         options.amplitude_m = scene.arms.amplitude_m;
         options.time_scale = scene.arms.time_scale;
         options.tremor_rms_m = scene.arms.tremor_rms_m;
         options.thread_length_m = scene.thread.length_m;
+        // A thread that lies in loops at the start may go on so.
+        const double apart_m = (start.X_WG[1].translation() - start.X_WG[0].translation()).norm();
+        options.span_min = std::min(options.span_min, 0.9 * apart_m / scene.thread.length_m);
         return options;
     }
 

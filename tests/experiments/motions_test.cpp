@@ -297,6 +297,12 @@ TEST(KnotPull, draws_a_hanging_overhand_knot_tight_to_one_newton) {
     EXPECT_TRUE(field.world().holds(0) && field.world().holds(1));
 }
 
+TEST(Manipulation, may_begin_with_arms_nearer_than_a_thread_hangs_well) {
+    const Testbed field(scene("auto_scissors_long.yaml"));
+    const double apart_m = (true_grip_C(field, 0) - true_grip_C(field, 1)).norm();
+    EXPECT_LT(apart_m, 0.4 * field.scene().thread.length_m);
+}
+
 TEST(Motions, that_do_not_suit_their_arm_are_refused_in_one_line) {
     const auto refused = [](const std::vector<std::string>& keys) {
         return error_of([&] { Testbed field(scene("auto_scissors.yaml", keys)); });
