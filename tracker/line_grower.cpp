@@ -187,10 +187,26 @@ class Grower {
         const double on_px = px(std::ssize(on) - std::ssize(line) - fainter_at_back(on, kHalf));
         line.resize(line.size() - static_cast<std::size_t>(fainter_at_back(line, kHalf)));
         if (end != LineEnd::kPlain) return;
-        if (fade_px > kSharp_px)
+        if (fade_px > kSharp_px || is_edge(std::span<const LineNode>(on).subspan(line.size())))
             end = LineEnd::kFades;
         else if (on_px > kOn_px)
             end = LineEnd::kOneEye;
+    }
+
+    /// Whether an edge of the ground runs along a stretch, in which a line would not be seen: one side darker
+    /// than the other by more than the line is.
+    bool is_edge(std::span<const LineNode> stretch) const {
+        constexpr double kShare = 0.7;  // of the contrast it had
+        for (const std::size_t eye : {0, 1}) {
+            std::array<double, 2> level{};
+            for (const LineNode& node : stretch) {
+                const std::array<double, 2> sides = looks_[eye].sides(node.eye[eye]);
+                level = {level[0] + sides[0], level[1] + sides[1]};
+            }
+            if (std::abs(level[0] - level[1]) > kShare * usual_[eye] * std::max(level[0], level[1]))
+                return true;
+        }
+        return false;
     }
 
     /// Whether both eyes' images show what lies beside a node.

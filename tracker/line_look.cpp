@@ -79,4 +79,17 @@ double LineLook::beside(const RidgePoint& point, double search_px) const {
     return 0.5 * sum;
 }
 
+std::array<double, 2> LineLook::sides(const RidgePoint& at) const {
+    const int inner = half_width_ + 4, outer = inner + 4;
+    NormalProfile profile;
+    profile.read(image_, {at.px, normal(at), at.tangent}, kStep_px, outer, 5, 1.0);
+    if (profile.first > -outer || profile.last < outer) return {0.0, 0.0};
+    std::array<double, 2> level{};
+    for (int i = inner; i <= outer; ++i) {
+        level[0] += static_cast<double>(profile[-i]) / (outer - inner + 1);
+        level[1] += static_cast<double>(profile[i]) / (outer - inner + 1);
+    }
+    return level;
+}
+
 }  // namespace atropos::tracker

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "scenes/tracker_config.hpp"
 #include "tracker/image_path.hpp"
 #include "tracker/normal_profile.hpp"
@@ -25,6 +27,9 @@ class LineLook {
 
     /// What passes for a line on the ground on both sides of `at`: mean contrast.
     double beside(const RidgePoint& at, double search_px) const;
+
+    /// Levels of the ground on both sides of `at`, out to 4 px from a line there.
+    std::array<double, 2> sides(const RidgePoint& at) const;
 
     double width_px() const { return 2.0 * kStep_px * half_width_; }
 

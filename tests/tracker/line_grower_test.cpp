@@ -151,6 +151,19 @@ TEST(LineLook, sees_a_line_where_it_is_and_in_the_shade_as_well) {
     }
 }
 
+TEST(LineLook, sees_the_ground_on_both_sides_of_an_edge) {
+    cv::Mat1b image(100, 200, 200);
+    image(cv::Rect(0, 51, 200, 49)) = 80;
+    cv::Mat buffer;
+    ImagePath path;
+    for (int u = 20; u < 180; ++u) path.points.push_back({{u, 50.0}, {1.0, 0.0}, 20.0});
+    const LineLook look(channel_view(image, scenes::ImageChannel::kGray, buffer), path,
+                        scenes::ThreadPolarity::kDark);
+    const std::array<double, 2> sides = look.sides({{100.0, 50.0}, {1.0, 0.0}, 0.0});
+    EXPECT_NEAR(sides[0], 200.0, 1.0);
+    EXPECT_NEAR(sides[1], 80.0, 1.0);
+}
+
 TEST(LineCourse, sees_a_leap_in_depth_but_not_along_the_epipolar_line) {
     constexpr double kFocal_px = 575.0;
     const auto line = [](double from_px, const Vector2d& along, double disparity_px) {
