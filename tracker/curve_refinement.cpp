@@ -1,6 +1,7 @@
 #include "tracker/curve_refinement.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 namespace atropos::tracker {
@@ -14,6 +15,13 @@ Block by_control_points(const std::array<double, 4>& weights, const Eigen::RowVe
     for (std::size_t i = 0; i < 4; ++i)
         J.segment<3>(static_cast<int>(3 * i)) = weights[i] * by_point.transpose();
     return J;
+}
+
+/// How much the curve's image bends, for one that is looked at along z.
+double seen_bend(const CubicBasisValues& place, const Eigen::Matrix3Xd& Q) {
+    const Eigen::Vector2d along = place.tangent(Q).head<2>().stableNormalized();
+    const Eigen::Vector3d bend = place.bend(Q);
+    return std::abs(along.x() * bend.y() - along.y() * bend.x());
 }
 
 constexpr double kBehindCost = 1e6;  ///< of a point that is not before the camera
@@ -152,26 +160,36 @@ double CurveRefinement::add_length(const CurveProblem& problem, const Eigen::Mat
     return cost + 0.5 * prior * r * r;
 }
 
-double CurveRefinement::add_bending(const Eigen::Matrix3Xd& Q, double length_m, double expected_length_m,
+// Depth is seen too badly to say how much the thread bends in it; a bend that travels along the thread comes
+// from a neighbour.
+double CurveRefinement::add_bending(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
                                     bool normal_equations) {
     double cost = 0.0;
     const auto add = [&](const std::vector<CubicBasisValues>& places, double scale, double sigma, int usual) {
         // The prior is of the curve, not of its knots: fewer places weigh more.
         const double usual_weight = usual / static_cast<double>(places.size()) / (sigma * sigma);
         const double last = static_cast<double>(places.size()) - 1.0;
+        seen_bends_.assign(places.size() + 2, 0.0);
+        for (std::size_t i = 0; i < places.size() && problem.bent_as.cols() > 0; ++i)
+            seen_bends_[i + 1] = scale * seen_bend(places[i], problem.bent_as);
         for (std::size_t i = 0; i < places.size(); ++i) {
             const CubicBasisValues& place = places[i];
             const double inside = std::min(static_cast<double>(i), last - static_cast<double>(i)) / last;
             const double soft = 1.0 + (priors_.clamp_factor - 1.0) *
-                                          std::exp(-inside * expected_length_m / priors_.clamp_reach_m);
+                                          std::exp(-inside * problem.length_m / priors_.clamp_reach_m);
             const double weight = usual_weight / (soft * soft);
-            const Eigen::Vector3d r = scale * place.bend(Q);
+            const double bent = *std::max_element(seen_bends_.begin() + static_cast<std::ptrdiff_t>(i),
+                                                  seen_bends_.begin() + static_cast<std::ptrdiff_t>(i + 3)) /
+                                (sigma * soft);
+            const double in_image = scale / std::sqrt(1.0 + bent * bent);
+            const Eigen::Vector3d scales(in_image, in_image, scale);
+            const Eigen::Vector3d r = scales.cwiseProduct(place.bend(Q));
             cost += 0.5 * weight * r.squaredNorm();
             if (!normal_equations) continue;
             for (int axis = 0; axis < 3; ++axis)
                 system_.add(place.first,
                             by_control_points(place.second_derivative,
-                                              scale * Eigen::Vector3d::Unit(axis).transpose()),
+                                              scales[axis] * Eigen::Vector3d::Unit(axis).transpose()),
                             0.0, r[axis], weight);
         }
     };
@@ -228,8 +246,7 @@ double CurveRefinement::accumulate(const CurveProblem& problem, const Eigen::Mat
                                    bool normal_equations) {
     if (normal_equations) system_.set_zero();
     return add_lines(problem, Q, normal_equations) + add_length(problem, Q, length_m, normal_equations) +
-           add_bending(Q, length_m, problem.length_m, normal_equations) +
-           add_points(problem, Q, normal_equations);
+           add_bending(problem, Q, length_m, normal_equations) + add_points(problem, Q, normal_equations);
 }
 
 // The ends are left out: what is known of them says their own term.

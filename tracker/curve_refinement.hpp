@@ -54,6 +54,7 @@ struct CurveProblem {
     double length_sigma_m = 0.0;
     double robust_px = 0.5;        ///< Cauchy's scale of the line residuals
     Eigen::Matrix3Xd expected;     ///< control points by motion alone; 3 x K
+    Eigen::Matrix3Xd bent_as;      ///< control points of a curve that bent about as much; empty: straight
     DeformationModes deformation;  ///< about `expected`; empty: nothing was learned
 };
 
@@ -113,7 +114,7 @@ class CurveRefinement {
     double add_lines(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, bool normal_equations);
     double add_length(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
                       bool normal_equations);
-    double add_bending(const Eigen::Matrix3Xd& Q, double length_m, double expected_length_m,
+    double add_bending(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
                        bool normal_equations);
     double add_points(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, bool normal_equations);
     double add_end(int k, const EndPrior& prior, const Eigen::Matrix3Xd& Q, bool normal_equations);
@@ -131,6 +132,7 @@ class CurveRefinement {
     BorderedBandSystem system_;
     Eigen::VectorXd step_;
     Eigen::Matrix3Xd trial_;
+    std::vector<double> seen_bends_;        ///< at each place of a bending term, and one before and behind
     Eigen::VectorXd offset_, unexplained_;  ///< of the control points from their prediction
 };
 

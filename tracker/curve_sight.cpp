@@ -12,6 +12,9 @@ constexpr double kLeastSigma_px =
     0.015;                           ///< texture under the thread, lens model: what noise does not explain
 constexpr double kUsualNoise = 1.5;  ///< of a profile's noise over the middle one
 
+/// Of a valley's place before it is localised: curves that trust it more swing aside in depth near their
+/// ends.
+constexpr double kValleySigma_px = 0.1;
 constexpr double kSignificance = 3.5;  ///< sigmas of contrast that make a bar
 
 bool is_valley(const LineMeasurement& m) {
@@ -138,7 +141,7 @@ void CurveSight::look_with(std::size_t eye, const ImageView& image, std::span<co
         m.point_px = lines_[j].p_px + valley.offset_px * lines_[j].normal;
         m.normal = lines_[j].normal;
         m.depth_levels = valley.depth_levels;
-        m.sigma_px = 0.05;
+        m.sigma_px = kValleySigma_px;
     }
 }
 

@@ -15,6 +15,7 @@ namespace {
 constexpr double kLeastSearch_px = 3.0;     ///< about a prediction that is right; at 640
 constexpr double kSearchPerSurprise = 2.0;  ///< more of it for each px that predictions were off by lately
 constexpr double kSurpriseKept = 0.7;       ///< from one frame to the next
+constexpr double kSettled_px = 2.0;         ///< a curve that moves by more tells nothing of the arms yet
 constexpr int kRetryFrames = 4;             ///< between searches for a thread that is not seen
 constexpr double kLeastSlide_m = 0.0001;    ///< Newton's steps follow a bend so far by themselves
 constexpr int kMoreControlPoints = 8;
@@ -99,7 +100,8 @@ void RefinedTracker::set_control_points(int K) {
     if (K == before.count()) return;
     refinement_ = CurveRefinement(K, config_.refined.samples, priors_, rig_);
     interpolation_ = CurveInterpolation(refinement_.basis());
-    for (Eigen::Matrix3Xd* Q : {&fit_.Q, &motion_.velocity_m_s, &expected_, &problem_.expected})
+    for (Eigen::Matrix3Xd* Q :
+         {&fit_.Q, &motion_.velocity_m_s, &expected_, &problem_.expected, &problem_.bent_as})
         if (Q->cols() == before.count()) *Q = interpolation_.carried_over(before, *Q);
     covariance_.setZero(3 * K, 3 * K);
     if (rod_) rod_.emplace(refinement_.basis(), config_.refined.gravity_C);
@@ -273,7 +275,7 @@ const TrackResult& RefinedTracker::track(const StereoFrame& frame) {
     if (eye_) correct_eye(frame);
     predict(frame);
     show("before", problem_.expected);
-    expected_ = problem_.expected;
+    expected_ = problem_.bent_as = problem_.expected;
     look_near_expected(frame);
     follow_bends(frame);
     // An end that is neither measured nor seen slides along the thread.
@@ -380,7 +382,7 @@ void RefinedTracker::fill_estimate(const StereoFrame& frame) {
     const bool determined =
         refinement_.covariance(problem_, fit_.Q, fit_.length_m, covariance_, length_variance);
     if (determined && status_ == scenes::TrackStatus::kTracking) {
-        ends_.learn(frame, problem_, refinement_, fit_.Q, covariance_);
+        if (surprise_px_ < kSettled_px) ends_.learn(frame, problem_, refinement_, fit_.Q, covariance_);
         if (!takes_given_length()) {
             expected_length_m_ = fit_.length_m;
             expected_length_sigma_m_ =

@@ -145,6 +145,21 @@ TEST(RefinedTracker, does_not_slide_along_a_thread_whose_loop_travels) {
     });
 }
 
+// Bending that costs as much in a loop as elsewhere draws the loop tight and the ends in.
+TEST(RefinedTracker, keeps_a_loop_as_wide_as_it_is) {
+    double off_m = 0.0;
+    int samples = 0;
+    for (const std::uint64_t seed : {2u, 5u})
+        track(travelling_loop(seed), 30, [&](int, const SyntheticFrame& drawn, const TrackResult& result) {
+            for (const scenes::ThreadSample& sample : result.estimate.samples) {
+                off_m += drawn.truth_C.nearest(sample.p_C).distance_m;
+                ++samples;
+            }
+        });
+    ASSERT_GT(samples, 0);
+    EXPECT_LT(off_m / samples, 0.0002);
+}
+
 TEST(RefinedTracker, takes_more_control_points_when_a_loop_is_formed) {
     SyntheticSequenceOptions options{.seed = 11};
     options.turning_rad = 3.7;
