@@ -103,15 +103,18 @@ double CurveRefinement::add_lines(const CurveProblem& problem, const Eigen::Matr
     return cost + kBehindCost * behind;
 }
 
-// N = H^-1 (sum of w J^T J) H^-1 at the control point: of the error H^-1 sum of w J^T r.
-Eigen::Matrix3d CurveRefinement::noise_part(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
-                                            const Eigen::MatrixXd& covariance, int k) const {
-    Eigen::Matrix3d part = Eigen::Matrix3d::Zero();
+// N = H^-1 (sum of w J^T J) H^-1 at both ends: of the error H^-1 sum of w J^T r.
+Matrix6d CurveRefinement::noise_of_ends(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                                        const Eigen::MatrixXd& covariance) const {
+    Matrix6d part = Matrix6d::Zero();
+    const int last = 3 * (basis_.count() - 1);
     const double c2 = problem.robust_px * problem.robust_px;
     for_each_seen(
         problem, Q, [&](const LineMeasurement& line, const CubicBasisValues& sample, const LineTerm& term) {
-            const Eigen::Vector3d moved = covariance.block<3, 12>(3 * k, 3 * sample.first) *
-                                          by_control_points(sample.value, term.by_point);
+            const Block J = by_control_points(sample.value, term.by_point);
+            Vector6d moved;
+            for (int i = 0; i < 6; ++i)
+                moved[i] = covariance.row(i < 3 ? i : last + i - 3).segment<12>(3 * sample.first).dot(J);
             const double weight = 1.0 / (line.sigma_px * line.sigma_px * (1.0 + term.r_px * term.r_px / c2));
             part += weight * moved * moved.transpose();
         });

@@ -10,6 +10,7 @@
 #include "tracker/bordered_band_system.hpp"
 #include "tracker/cubic_basis.hpp"
 #include "tracker/deformation_prior.hpp"
+#include "tracker/end_belief.hpp"
 #include "tracker/stereo_tracker.hpp"
 
 namespace atropos::tracker {
@@ -90,10 +91,10 @@ class CurveRefinement {
     bool covariance(const CurveProblem& problem, const Eigen::Matrix3Xd& Q, double length_m,
                     Eigen::MatrixXd& covariance, double& length_variance);
 
-    /// The part of the covariance of control point `k` that the images' noise alone makes, with the other
-    /// terms taken for true; `covariance` is that of the solution, as above.
-    Eigen::Matrix3d noise_part(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
-                               const Eigen::MatrixXd& covariance, int k) const;
+    /// The part of the covariance of both ends that the images' noise alone makes, with the other terms taken
+    /// for true; `covariance` is that of the solution, as above.
+    Matrix6d noise_of_ends(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,
+                           const Eigen::MatrixXd& covariance) const;
 
     /// How the solution moves with what the right eye is off by: d Q / d (row, roll), 3K x 2.
     Eigen::MatrixX2d by_eye(const CurveProblem& problem, const Eigen::Matrix3Xd& Q,

@@ -26,6 +26,35 @@ Eigen::Matrix3d clamped_below_zero(const Eigen::Matrix3d& A) {
 
 }  // namespace
 
+UncertainPoint FittedEnds::end(std::size_t which) const {
+    const Eigen::Index i = 3 * static_cast<Eigen::Index>(which);
+    return {p_C.segment<3>(i), covariance.block<3, 3>(i, i)};
+}
+
+Eigen::Matrix3d FittedEnds::noise(std::size_t which) const {
+    const Eigen::Index i = 3 * static_cast<Eigen::Index>(which);
+    return by_noise.block<3, 3>(i, i);
+}
+
+// Offsets from where the fit has the ends. A pull of noise moves them by the covariance times it: N = S V S,
+// with the same V.
+FittedEnds told_instead(const FittedEnds& fit, std::size_t which, const ToldEnd& told,
+                        const ToldEnd& instead) {
+    const Eigen::Index i = 3 * static_cast<Eigen::Index>(which);
+    const Eigen::Vector3d p = fit.p_C.segment<3>(i);
+    const Matrix6d before = fit.covariance.inverse();
+    Matrix6d information = before;
+    information.block<3, 3>(i, i) += instead.information - told.information;
+    Vector6d pull = Vector6d::Zero();
+    pull.segment<3>(i) = instead.information * (instead.p_C - p) - told.information * (told.p_C - p);
+    FittedEnds other;
+    other.covariance = information.inverse();
+    other.p_C = fit.p_C + other.covariance * pull;
+    const Matrix6d moved = other.covariance * before;
+    other.by_noise = moved * fit.by_noise * moved.transpose();
+    return other;
+}
+
 // With H' all of the fit but the end's own prior, H = H' + S^-1 at the end: the marginal information of H' at
 // the end is M = Sigma^-1 - S^-1, and M N' M = Sigma^-1 N Sigma^-1 for the noise's share N of the covariance.
 EndEvidence end_evidence(const Eigen::Vector3d& expected_C, const Eigen::Matrix3d& told,
@@ -66,6 +95,10 @@ UncertainPoint EndBelief::expected(const Eigen::Vector3d& measured_C) const {
     const double jitter = options_.jitter_sigma_m;
     return {measured_C + bias_C_,
             P_.topLeftCorner<3, 3>() + (jitter * jitter + floor * floor) * Eigen::Matrix3d::Identity()};
+}
+
+UncertainPoint EndBelief::unlearned(const Eigen::Vector3d& measured_C) const {
+    return EndBelief(options_).expected(measured_C);
 }
 
 // The evidence places the end M_r^-1 score from where it was expected: H (bias + jitter + C^1/2 common) and

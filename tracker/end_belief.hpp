@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 
 namespace atropos::tracker {
 
@@ -9,6 +10,30 @@ struct UncertainPoint {
     Eigen::Vector3d p_C = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
 };
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// Where a fit puts its two ends, one above the other.
+struct FittedEnds {
+    Vector6d p_C = Vector6d::Zero();
+    Matrix6d covariance = Matrix6d::Identity();
+    Matrix6d by_noise = Matrix6d::Zero();  ///< the part of it that the noise of the images alone makes
+
+    UncertainPoint end(std::size_t which) const;
+    Eigen::Matrix3d noise(std::size_t which) const;
+};
+
+/// What a fit is told of an end: a place and an information, 1/m^2.
+struct ToldEnd {
+    Eigen::Vector3d p_C = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+};
+
+/// The fit that had been told `instead` of end `which` what it was `told`. Evidence on one end must not rest
+/// on what was learned of the other: a curve that slides along itself would prove itself right.
+FittedEnds told_instead(const FittedEnds& fit, std::size_t which, const ToldEnd& told,
+                        const ToldEnd& instead);
 
 /// What a fit says of where its end is, apart from what it was told of the end itself.
 struct EndEvidence {
@@ -48,6 +73,9 @@ class EndBelief {
     /// Where an end measured at `measured_C` is.
     UncertainPoint expected(const Eigen::Vector3d& measured_C) const;
 
+    /// The same before anything was learned of the error.
+    UncertainPoint unlearned(const Eigen::Vector3d& measured_C) const;
+
     /// Takes from a fit that used expected() what it says of the error.
     void learn(const EndEvidence& evidence);
 
@@ -63,12 +91,10 @@ class EndBelief {
     void load(const double* in);
 
   private:
-    using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
     Options options_;
     Eigen::Vector3d bias_C_;  ///< added to the measured end
     Eigen::Vector3d common_;  ///< what evidence is off by in frame after frame, in its own sigmas
-    Matrix6 P_;               ///< of both
+    Matrix6d P_;              ///< of both
     double excess_m_ = 0.0;
     double excess_variance_m2_ = 0.0;
 };

@@ -121,13 +121,25 @@ void MeasuredEnds::look(const StereoFrame& frame, const std::array<ImageView, 2>
 void MeasuredEnds::learn(const StereoFrame& frame, const CurveProblem& problem,
                          const CurveRefinement& refinement, const Eigen::Matrix3Xd& Q,
                          const Eigen::MatrixXd& covariance) {
+    const Eigen::Index last = 3 * (Q.cols() - 1);
+    FittedEnds fit;
+    fit.p_C << Q.leftCols<1>(), Q.rightCols<1>();
+    fit.covariance << covariance.block<3, 3>(0, 0), covariance.block<3, 3>(0, last),
+        covariance.block<3, 3>(last, 0), covariance.block<3, 3>(last, last);
+    fit.by_noise = refinement.noise_of_ends(problem, Q, covariance);
+    std::array<ToldEnd, 2> told, unlearned;
     for (std::size_t end = 0; end < 2; ++end) {
         if (!is_held(frame.tips[end])) continue;
-        const int last = static_cast<int>(Q.cols()) - 1, k = end == 0 ? 0 : last;
-        const EndPrior told = prior_of(expected_[end]);
-        beliefs_[end].learn(end_evidence(told.p_C, told.weight(Q.col(k)) * told.information,
-                                         {Q.col(k), covariance.block<3, 3>(3 * k, 3 * k)},
-                                         refinement.noise_part(problem, Q, covariance, k)));
+        const EndPrior prior = prior_of(expected_[end]);
+        told[end] = {prior.p_C, prior.weight(fit.end(end).p_C) * prior.information};
+        const UncertainPoint at_first = beliefs_[end].unlearned(frame.tips[end]->p_C);
+        unlearned[end] = {at_first.p_C, at_first.covariance.inverse()};
+    }
+    for (std::size_t end = 0; end < 2; ++end) {
+        if (!is_held(frame.tips[end])) continue;
+        const FittedEnds alone = told_instead(fit, 1 - end, told[1 - end], unlearned[1 - end]);
+        beliefs_[end].learn(
+            end_evidence(told[end].p_C, told[end].information, alone.end(end), alone.noise(end)));
         if (grips_[end] && grips_[end]->excess_m)
             beliefs_[end].learn_excess(*grips_[end]->excess_m, grips_[end]->excess_sigma_m);
     }

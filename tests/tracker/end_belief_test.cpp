@@ -37,6 +37,34 @@ TEST(EndEvidence, is_what_the_fit_knew_apart_from_what_it_was_told) {
     EXPECT_TRUE(evidence.score.isApprox(information * (seen_C - kMeasured_C), 1e-6));
 }
 
+TEST(FittedEnds, are_those_of_a_fit_that_was_told_otherwise) {
+    // The curve's length ties the ends to each other.
+    Matrix6d images = 1e5 * Matrix6d::Identity();
+    images.block<3, 3>(0, 3) = images.block<3, 3>(3, 0) = 6e4 * kI;
+    const Vector6d seen = Vector6d::LinSpaced(0.001, 0.006);
+    const auto fit_told = [&](const ToldEnd& first, const ToldEnd& second) {
+        Matrix6d information = images;
+        information.topLeftCorner<3, 3>() += first.information;
+        information.bottomRightCorner<3, 3>() += second.information;
+        FittedEnds fit;
+        fit.covariance = information.inverse();
+        Vector6d told;
+        told.head<3>() = first.information.diagonal().cwiseProduct(first.p_C);
+        told.tail<3>() = second.information.diagonal().cwiseProduct(second.p_C);
+        fit.p_C = fit.covariance * (images * seen + told);
+        fit.by_noise = fit.covariance * (0.5 * images) * fit.covariance;
+        return fit;
+    };
+    const ToldEnd first{Eigen::Vector3d(0.001, 0.0, 0.002), 3e5 * kI};
+    const ToldEnd sure{Eigen::Vector3d(0.005, 0.004, 0.006), 2e6 * kI};
+    const ToldEnd unsure{Eigen::Vector3d(0.004, 0.0045, 0.005), 4e5 * kI};
+    const FittedEnds got = told_instead(fit_told(first, sure), 1, sure, unsure);
+    const FittedEnds wanted = fit_told(first, unsure);
+    EXPECT_TRUE(got.p_C.isApprox(wanted.p_C, 1e-9));
+    EXPECT_TRUE(got.covariance.isApprox(wanted.covariance, 1e-9));
+    EXPECT_TRUE(got.by_noise.isApprox(wanted.by_noise, 1e-9));
+}
+
 TEST(EndBelief, finds_a_constant_error_that_images_show_under_noise) {
     EndBelief belief({});
     scenes::RandomStream random(1, "noise");
